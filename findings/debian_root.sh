@@ -19,7 +19,11 @@ install_pinned() {
   {
     private_apt_update "$(dpkg --print-architecture)" "$suite" 'Codename: bookworm'
     private_apt apt-get install -y --no-install-recommends --download-only "$@"
-  } > "$root/apt.log" 2>&1 || { tail -n 5 "$root/apt.log" >&2; echo "not tried: $* cannot be installed" >&2; exit 77; }
+  } > "$root/apt.log" 2>&1 || {
+    tail -n 5 "$root/apt.log" >&2
+    echo "not tried: $* cannot be installed" >&2
+    exit 77
+  }
   for package in "$apt"/cache/archives/*.deb; do
     dpkg -x "$package" "$root/system"
   done
@@ -38,5 +42,8 @@ in_root() {
 # observe WHAT EXPECTED SEEN: fails if the behavior that this script documents changed
 observe() {
   echo "$1: $3"
-  [ "$2" = "$3" ] || { echo "changed: expected $2" >&2; exit 1; }
+  [ "$2" = "$3" ] || {
+    echo "changed: expected $2" >&2
+    exit 1
+  }
 }

@@ -11,7 +11,7 @@
 . "$(dirname -- "$0")/debian_root.sh"
 install_pinned bookworm python3-open3d=0.16.1+ds-2+b4 libembree3-3=3.13.5+dfsg-2
 
-cat > "$root/rays.py" <<'PYTHON'
+cat > "$root/rays.py" << 'PYTHON'
 import numpy as np
 import open3d as o3d
 

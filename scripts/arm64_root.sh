@@ -28,7 +28,10 @@ download() {
   private_apt_update arm64 '$(RELEASE)' 'Component: main' &&
     private_apt apt-get install -y --download-only --no-install-recommends $packages
 }
-download >&2 || { echo "arm64_root.sh: the packages could not be downloaded" >&2; exit 1; }
+download >&2 || {
+  echo "arm64_root.sh: the packages could not be downloaded" >&2
+  exit 1
+}
 
 # As Debian merges them: /lib is /usr/lib.
 for name in bin lib sbin; do

@@ -28,7 +28,8 @@ output=${1:-output/demo}
 
 # render DIRECTORY SCENE OPTION...
 render() {
-  directory=$1 scene=$2; shift 2
+  directory=$1 scene=$2
+  shift 2
   "$program" --scene "$scene" --output "$output/$directory" "$@"
 }
 

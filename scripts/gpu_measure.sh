@@ -12,8 +12,14 @@
 
 set -eu
 case ${1:-} in
-  -h | --help) sed -n '5,/^$/s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  -*) echo "gpu_measure.sh: unknown option $1, see --help" >&2; exit 2 ;;
+  -h | --help)
+    sed -n '5,/^$/s/^# \{0,1\}//p' "$0"
+    exit 0
+    ;;
+  -*)
+    echo "gpu_measure.sh: unknown option $1, see --help" >&2
+    exit 2
+    ;;
 esac
 here=$(cd "$(dirname -- "$0")" && pwd)
 results=${1:?usage: gpu_measure.sh RESULTS [DEVICE] [MINUTES]}
@@ -22,7 +28,7 @@ minutes=${3:-20}
 mkdir -p "$results"
 results=$(cd "$results" && pwd)
 begin=$(date +%s)
-end=$((begin + 60*minutes))
+end=$((begin + 60 * minutes))
 
 export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 if ! ldconfig -p 2> /dev/null | grep -q 'libvulkan\.so\.1'; then
@@ -49,7 +55,10 @@ measure() {
   seconds=$2
   shift 2
   left=$((end - $(date +%s)))
-  if [ "$left" -lt 30 ]; then echo "$name: skipped, the time is over"; return; fi
+  if [ "$left" -lt 30 ]; then
+    echo "$name: skipped, the time is over"
+    return
+  fi
   [ "$seconds" -gt "$left" ] && seconds=$left
   started=$(date +%s)
   if timeout -k 10 "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --rays 0 \

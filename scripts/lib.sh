@@ -19,7 +19,10 @@ usage_error() {
 # before it sources this file. With `any`, all arguments pass, and the script's command checks them.
 for argument in "$@"; do
   case $argument in
-    -h | --help) print_help; exit 0 ;;
+    -h | --help)
+      print_help
+      exit 0
+      ;;
     -*) [ "${arguments:-0}" = any ] || usage_error "unknown option $argument" ;;
   esac
 done
@@ -34,7 +37,8 @@ summary=
 # phase NAME COMMAND...: runs the command and notes its duration. `set -e` has no effect inside functions that run
 # here.
 phase() {
-  name=$1; shift
+  name=$1
+  shift
   echo "== $name"
   start=$(date +%s)
   failed=0
@@ -43,7 +47,10 @@ phase() {
   total=$((${total:-0} + took))
   summary="$summary$(printf '  %-28s %5d s' "$name" "$took")
 "
-  [ "$failed" = 0 ] || { echo "$name failed" >&2; exit "$failed"; }
+  [ "$failed" = 0 ] || {
+    echo "$name failed" >&2
+    exit "$failed"
+  }
 }
 
 # Prints the durations of all phases, also after a failure.
@@ -57,7 +64,10 @@ trap print_summary EXIT
 #   install_packages [LINE]    the packages above this line of the file; by default those for the build and the tests
 install_packages() {
   command -v dpkg-query > /dev/null ||
-    { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
+    {
+      echo "this machine has no dpkg: docs/platforms.md lists the packages"
+      return 0
+    }
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
     tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "
@@ -67,7 +77,10 @@ install_packages() {
       *) missing="$missing $package" ;;
     esac
   done
-  [ -n "$missing" ] || { echo "every package is present"; return 0; }
+  [ -n "$missing" ] || {
+    echo "every package is present"
+    return 0
+  }
   echo "installing$missing"
   # shellcheck disable=SC2086
   run_apt install $missing
@@ -103,7 +116,8 @@ build() {
       case $line in
         @exit*)
           status=${line#@exit }
-          exit "${status%@}" ;;
+          exit "${status%@}"
+          ;;
         @[0-9]*)
           status=${line#@} # number of finished files, number of all files, seconds
           status=${status%%@*}
@@ -119,7 +133,8 @@ build() {
             1) left=", at least a minute left" ;;
             *) left=", at least $minutes minutes left" ;;
           esac
-          echo "  $built of $of files$left" ;;
+          echo "  $built of $of files$left"
+          ;;
         *) printf '%s\n' "$line" ;;
       esac
     done

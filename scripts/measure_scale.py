@@ -62,9 +62,7 @@ class Run:
             except (OSError, ValueError):
                 pass
             if self.mapped:
-                self.max_mapped = max(
-                    self.max_mapped, (mapping_of(self.process.pid, self.mapped) or {"Rss": 0})["Rss"]
-                )
+                self.max_mapped = max(self.max_mapped, (mapping_of(self.process.pid, self.mapped) or {"Rss": 0})["Rss"])
             time.sleep(0.1)
 
     def finish(self, *, stopped=False):

@@ -33,7 +33,10 @@ download() {
 }
 
 if [ ! -e "$driver" ]; then
-  download >&2 || { echo "newer_mesa.sh: $package cannot be downloaded from the backports" >&2; exit 1; }
+  download >&2 || {
+    echo "newer_mesa.sh: $package cannot be downloaded from the backports" >&2
+    exit 1
+  }
 fi
 # The driver depends on the same libraries as Debian 12's, which some machines lack.
 if ldd "$driver" | grep -q "not found"; then

@@ -19,12 +19,18 @@ arguments=1
 
 cross_packages() {
   for program in aarch64-linux-gnu-g++ qemu-aarch64-static; do
-    command -v $program || { run_apt install g++-aarch64-linux-gnu qemu-user-static; return; }
+    command -v $program || {
+      run_apt install g++-aarch64-linux-gnu qemu-user-static
+      return
+    }
   done
 }
 
 arm64_root() {
-  if [ -d "$CBVH_ARM64_ROOT/DEBIAN" ]; then echo "$CBVH_ARM64_ROOT is present"; return; fi
+  if [ -d "$CBVH_ARM64_ROOT/DEBIAN" ]; then
+    echo "$CBVH_ARM64_ROOT is present"
+    return
+  fi
   scripts/arm64_root.sh "$CBVH_ARM64_ROOT"
 }
 

@@ -164,9 +164,7 @@ def main():
         help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)",
     )
     parser.add_argument("--record", metavar="FILE", help="use this record instead of measuring")
-    parser.add_argument(
-        "--front-only", action="store_true", help="write only the table and the headline of README.md"
-    )
+    parser.add_argument("--front-only", action="store_true", help="write only the table and the headline of README.md")
     options = parser.parse_args()
     try:
         rows = rows_of(records.read(options.record) if options.record else measure(options.bench))

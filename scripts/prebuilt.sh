@@ -17,7 +17,10 @@
 sources=$(scripts/packaging/sources.sh)
 folder=build/prebuilt
 
-reject() { echo "$1 is not used: $2"; return 1; }
+reject() {
+  echo "$1 is not used: $2"
+  return 1
+}
 
 # same_sources FILE HASH-FILE
 same_sources() {

@@ -26,6 +26,9 @@ private_apt_update() {
   apt-get indextargets --format "deb [arch=$architecture$keys]"' $(REPO_URI) '"$2"' $(COMPONENT)' \
     'Created-By: Packages' 'Origin: Debian' 'Component: main' "$3" | sort -u > "$apt/sources.list"
   [ -s "$apt/sources.list" ] ||
-    { echo "apt has no index of Debian's main component: run apt-get update" >&2; return 1; }
+    {
+      echo "apt has no index of Debian's main component: run apt-get update" >&2
+      return 1
+    }
   private_apt apt-get update
 }

@@ -21,7 +21,10 @@ distribution=${1:-}
 compiler=gcc
 case ${1:-} in
   '' | --) ;;
-  *) compiler=$1; shift ;;
+  *)
+    compiler=$1
+    shift
+    ;;
 esac
 unexpected=
 [ "${1:---}" = -- ] || unexpected=$1
@@ -54,16 +57,25 @@ base=$roots/$distribution
 home=/root/$compiler # one clone per compiler, because a build folder keeps its compiler
 
 make_root() {
-  if [ -d "$base" ]; then echo "$base is present"; return; fi
+  if [ -d "$base" ]; then
+    echo "$base is present"
+    return
+  fi
   # On Debian, apt knows a mirror. Its security updates are on another server.
   mirror=${DEBIAN_MIRROR:-$(apt-get indextargets --format '$(RELEASE) $(SITE)' 'Created-By: Packages' 'Origin: Debian' \
     'Component: main' | sed -n '/^[^ ]*-/!s/^[^ ]* //p' | sort -u | head -n 1)}
   [ -n "$mirror" ] ||
-    { echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2; return 1; }
+    {
+      echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2
+      return 1
+    }
   rm -rf --one-file-system "$base.part"
   debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" \
     > "$roots/$distribution.log" ||
-    { tail "$roots/$distribution.log" >&2; return 1; }
+    {
+      tail "$roots/$distribution.log" >&2
+      return 1
+    }
   cp -L /etc/resolv.conf "$base.part/etc/"
   apt-config dump | grep -E '^Acquire::[a-z]+::Proxy' > "$base.part/etc/apt/apt.conf.d/90proxy" || true
   mv "$base.part" "$base"
@@ -81,7 +93,10 @@ inside() {
 
 get_compiler() {
   case $compiler in gcc*) package=$cxx ;; *) package=$compiler ;; esac
-  if inside sh -c "command -v $compiler && command -v $cxx" > /dev/null; then echo "$compiler is present"; return; fi
+  if inside sh -c "command -v $compiler && command -v $cxx" > /dev/null; then
+    echo "$compiler is present"
+    return
+  fi
   inside apt-get -q update && inside apt-get -q -y -o Dpkg::Use-Pty=0 install --no-install-recommends "$package"
 }
 

@@ -10,19 +10,18 @@
 
 namespace cbvh {
 
-std::string userCacheFolder()
-{
+std::string userCacheFolder() {
   const auto variable = [](const char* name) {
     const char* value = std::getenv(name);
     return std::filesystem::path(value ? value : "");
   };
   std::filesystem::path caches = variable("XDG_CACHE_HOME");
-  if (!caches.is_absolute())
-  {
+  if (!caches.is_absolute()) {
     const std::filesystem::path home = variable("HOME");
     if (!home.is_absolute())
       throw Error("cannot locate the cache folder: neither XDG_CACHE_HOME nor HOME is an absolute path; set one of "
-                  "them, or pass " + settingName("map-folder") + " DIR");
+                  "them, or pass " +
+                  settingName("map-folder") + " DIR");
     caches = home / ".cache";
   }
   return (caches / "embree-cbvh").string();

@@ -11,14 +11,12 @@
 
 namespace cbvh {
 
-struct Error : std::runtime_error
-{
+struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /* Thrown after a cancellation (progress.h). */
-struct Canceled : Error
-{
+struct Canceled : Error {
   Canceled() : Error("canceled") {}
 };
 

@@ -25,13 +25,10 @@ namespace {
 std::mutex createdFoldersMutex;
 std::vector<fs::path> createdFolders; // by prepareOutputFolder, a folder before its parents
 
-class Descriptor
-{
+class Descriptor {
 public:
-  explicit Descriptor(int number) : number(number)
-  {
-    if (number < 0)
-      cvert::throwErrno(errno);
+  explicit Descriptor(int number) : number(number) {
+    if (number < 0) cvert::throwErrno(errno);
   }
   ~Descriptor() { close(number); }
   Descriptor(const Descriptor&) = delete;
@@ -41,27 +38,21 @@ public:
 };
 
 /* Buffers all bytes until the commit, because image writers seek. */
-struct Stream
-{
+struct Stream {
   explicit Stream(const OutputPath& output)
     : target(output.descriptor >= 0 ? fcntl(output.descriptor, F_DUPFD_CLOEXEC, 0)
                                     : open(output.path.c_str(), O_WRONLY | O_TRUNC | O_NOCTTY | O_CLOEXEC)),
-      memory(memfd_create("output", MFD_CLOEXEC)), name("/proc/self/fd/" + std::to_string(memory.number))
-  {
-  }
+      memory(memfd_create("output", MFD_CLOEXEC)),
+      name("/proc/self/fd/" + std::to_string(memory.number)) {}
 
-  void copyToTarget() const
-  {
+  void copyToTarget() const {
     std::fflush(stdout); // stdout may be the target
     std::vector<char> piece(1 << 20);
-    for (off_t at = 0;;)
-    {
+    for (off_t at = 0;;) {
       const ssize_t bytes = cvert::readAllAt(memory.number, piece.data(), piece.size(), uint64_t(at));
-      if (bytes == 0)
-        return;
+      if (bytes == 0) return;
       const int error = bytes < 0 ? errno : cvert::writeAll(target.number, piece.data(), size_t(bytes));
-      if (error)
-        cvert::throwErrno(error);
+      if (error) cvert::throwErrno(error);
       at += bytes;
     }
   }
@@ -70,21 +61,16 @@ struct Stream
   const std::string name;
 };
 
-Error writeError(const std::string& path, const std::string& why)
-{
+Error writeError(const std::string& path, const std::string& why) {
   return Error(path + ": cannot be written: " + why);
 }
 
 } // namespace
 
-struct PendingFile::Destination
-{
-  explicit Destination(const OutputPath& output)
-  {
-    if (output.kind == OutputPath::STREAM)
-      stream = std::make_unique<Stream>(output);
-    else
-    {
+struct PendingFile::Destination {
+  explicit Destination(const OutputPath& output) {
+    if (output.kind == OutputPath::STREAM) stream = std::make_unique<Stream>(output);
+    else {
       file = std::make_unique<UnfinishedFile>(output);
       file->copyPermissions();
     }
@@ -97,92 +83,59 @@ struct PendingFile::Destination
   int error = 0;
 };
 
-PendingFile::PendingFile(const std::string& path) : path(path)
-{
+PendingFile::PendingFile(const std::string& path) : path(path) {
   requireNoInputFile(path);
-  try
-  {
+  try {
     destination = std::make_unique<Destination>(OutputPath(path));
-  }
-  catch (const std::system_error& e)
-  {
-    throw writeError(path, e.code().message());
-  }
-  if (destination->file)
-    setUnfinishedFile(temporary());
+  } catch (const std::system_error& e) { throw writeError(path, e.code().message()); }
+  if (destination->file) setUnfinishedFile(temporary());
 }
 
-PendingFile::~PendingFile()
-{
+PendingFile::~PendingFile() {
   destination.reset();
   setUnfinishedFile("");
 }
 
-const std::string& PendingFile::temporary() const
-{
+const std::string& PendingFile::temporary() const {
   return destination->file ? destination->file->path() : destination->stream->name;
 }
 
-bool PendingFile::write(const void* data, size_t bytes, uint64_t offset) noexcept
-{
+bool PendingFile::write(const void* data, size_t bytes, uint64_t offset) noexcept {
   const int error = cvert::writeAllAt(destination->descriptor(), data, bytes, offset);
-  if (!destination->error)
-    destination->error = error;
+  if (!destination->error) destination->error = error;
   return error == 0;
 }
 
-std::string PendingFile::error() const
-{
-  return destination->error ? std::strerror(destination->error) : "";
+std::string PendingFile::error() const { return destination->error ? std::strerror(destination->error) : ""; }
+
+void PendingFile::commit() {
+  try {
+    if (destination->error) cvert::throwErrno(destination->error);
+    if (destination->file) destination->file->commit();
+    else destination->stream->copyToTarget();
+  } catch (const std::system_error& e) { throw writeError(path, e.code().message()); }
 }
 
-void PendingFile::commit()
-{
-  try
-  {
-    if (destination->error)
-      cvert::throwErrno(destination->error);
-    if (destination->file)
-      destination->file->commit();
-    else
-      destination->stream->copyToTarget();
-  }
-  catch (const std::system_error& e)
-  {
-    throw writeError(path, e.code().message());
-  }
-}
-
-void requireWritable(const std::string& path)
-{
-  try
-  {
+void requireWritable(const std::string& path) {
+  try {
     const OutputPath output(path);
-    if (output.kind != OutputPath::STREAM)
-      const UnfinishedFile probe(output);
-  }
-  catch (const std::system_error& e)
-  {
-    throw writeError(path, e.code().message());
-  }
+    if (output.kind != OutputPath::STREAM) const UnfinishedFile probe(output);
+  } catch (const std::system_error& e) { throw writeError(path, e.code().message()); }
 }
 
-void writeTextFile(const std::string& path, const std::string& text)
-{
+void writeTextFile(const std::string& path, const std::string& text) {
   PendingFile file(path);
   file.write(text.data(), text.size(), 0);
   file.commit();
 }
 
-void writeStandardOutput(const std::string& text)
-{
+void writeStandardOutput(const std::string& text) {
   const bool isWritten = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (std::fflush(stdout) != 0 || std::ferror(stdout) || !isWritten)
     throw Error(std::string("standard output cannot be written: ") + std::strerror(errno));
 }
 
-void prepareOutputFolder(const std::string& path)
-{
+void prepareOutputFolder(const std::string& path) {
   std::error_code code;
   std::vector<fs::path> missing; // the deepest first
   for (fs::path folder = fs::absolute(path, code); !folder.empty() && !fs::exists(folder, code);
@@ -196,23 +149,18 @@ void prepareOutputFolder(const std::string& path)
   if (code || !fs::is_directory(path, code))
     throw Error(path + ": cannot create this output folder: " + (code ? code.message() : "it is a file"));
   /* Some file systems report wrong permissions, so create a file. */
-  try
-  {
+  try {
     const UnfinishedFile probe(OutputPath((fs::path(path) / "cbvh-probe").string()));
-  }
-  catch (const std::system_error& e)
-  {
+  } catch (const std::system_error& e) {
     throw Error(path + ": cannot create files in this folder: " + e.code().message());
   }
 }
 
-void removeEmptyOutputFolders()
-{
+void removeEmptyOutputFolders() {
   const std::lock_guard<std::mutex> lock(createdFoldersMutex);
   std::error_code ignored;
   for (const fs::path& folder : createdFolders)
-    if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored))
-      fs::remove(folder, ignored);
+    if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored)) fs::remove(folder, ignored);
   createdFolders.clear();
 }
 

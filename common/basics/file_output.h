@@ -13,8 +13,7 @@
 namespace cbvh {
 
 /* At most one may exist at a time, because forceExitAfterCancel removes only one. Not thread-safe. */
-class PendingFile
-{
+class PendingFile {
 public:
   /* Creates the temporary file. Throws Error, also if this path is an input of the run (input_files.h). */
   explicit PendingFile(const std::string& path);

@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-inline size_t editDistance(const std::string& a, const std::string& b)
-{
+inline size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<size_t> costs(b.size() + 1), previous(b.size() + 1);
   for (size_t j = 0; j < costs.size(); j++) costs[j] = j;
   for (size_t i = 1; i <= a.size(); i++) {
@@ -23,13 +22,15 @@ inline size_t editDistance(const std::string& a, const std::string& b)
 }
 
 /* Smallest edit distance, then first in the list; empty for an empty list. */
-inline std::string nearestWord(const std::string& word, const std::vector<std::string>& words)
-{
+inline std::string nearestWord(const std::string& word, const std::vector<std::string>& words) {
   std::string nearest;
   size_t distance = ~size_t(0);
   for (const std::string& candidate : words) {
     const size_t d = editDistance(word, candidate);
-    if (d < distance) { distance = d; nearest = candidate; }
+    if (d < distance) {
+      distance = d;
+      nearest = candidate;
+    }
   }
   return nearest;
 }

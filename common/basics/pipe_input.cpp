@@ -23,38 +23,30 @@ constexpr int pollMilliseconds = 100;           // an idle read notices cancella
 
 } // namespace
 
-bool isPipe(const std::string& path)
-{
+bool isPipe(const std::string& path) {
   struct stat status;
   return stat(path.c_str(), &status) == 0 && S_ISFIFO(status.st_mode);
 }
 
-PipeInput::PipeInput(const std::string& path) : path(path), file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC))
-{
-  if (file < 0)
-    throw Error(path + ": cannot be opened: " + std::strerror(errno));
+PipeInput::PipeInput(const std::string& path)
+  : path(path),
+    file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
+  if (file < 0) throw Error(path + ": cannot be opened: " + std::strerror(errno));
 }
 
-PipeInput::~PipeInput()
-{
-  close(file);
-}
+PipeInput::~PipeInput() { close(file); }
 
-PipeInput::int_type PipeInput::underflow()
-{
+PipeInput::int_type PipeInput::underflow() {
   const auto start = std::chrono::steady_clock::now();
-  for (;;)
-  {
+  for (;;) {
     throwIfCanceled();
     const ssize_t bytes = read(file, buffer.data(), buffer.size());
-    if (bytes > 0)
-    {
+    if (bytes > 0) {
       hadWriter = true;
       setg(buffer.data(), buffer.data(), buffer.data() + bytes);
       return traits_type::to_int_type(*gptr());
     }
-    if (bytes == 0 && hadWriter)
-      return traits_type::eof();
+    if (bytes == 0 && hadWriter) return traits_type::eof();
     if (bytes == 0) // no program has the pipe open for writing
     {
       if (std::chrono::steady_clock::now() - start > longestWait)
@@ -63,14 +55,11 @@ PipeInput::int_type PipeInput::underflow()
       std::this_thread::sleep_for(step);
       continue;
     }
-    if (errno == EAGAIN)
-    {
+    if (errno == EAGAIN) {
       hadWriter = true;
       pollfd waiting{file, POLLIN, 0};
       poll(&waiting, 1, pollMilliseconds);
-    }
-    else if (errno != EINTR)
-      throw Error(path + ": read error: " + std::strerror(errno));
+    } else if (errno != EINTR) throw Error(path + ": read error: " + std::strerror(errno));
   }
 }
 

@@ -13,8 +13,7 @@ namespace cbvh {
 
 bool isPipe(const std::string& path);
 
-class PipeInput : public std::streambuf
-{
+class PipeInput : public std::streambuf {
 public:
   /* Opens a pipe without waiting for a writer. Throws Error. */
   explicit PipeInput(const std::string& path);

@@ -48,8 +48,7 @@ void setPhaseListener(PhaseListener listener);
 
 /* Prints a line per phase: its name, the percentage if stderr is a terminal, and finally its time. Only one phase
  * may run at a time. */
-class Phase
-{
+class Phase {
 public:
   /* PercentAndTimeLeft requires a phase of constant speed. */
   enum Display { Percent, PercentAndTimeLeft };

@@ -10,8 +10,7 @@ namespace cbvh {
 
 /* Wall-clock time of run(), in seconds. */
 template<typename Run>
-double secondsOf(const Run& run)
-{
+double secondsOf(const Run& run) {
   const auto before = std::chrono::steady_clock::now();
   run();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -20,8 +19,7 @@ double secondsOf(const Run& run)
 /* Processor time of run(), in seconds. `clock` is CLOCK_THREAD_CPUTIME_ID for the calling thread or
  * CLOCK_PROCESS_CPUTIME_ID for all threads. */
 template<typename Run>
-double processorSecondsOf(clockid_t clock, const Run& run)
-{
+double processorSecondsOf(clockid_t clock, const Run& run) {
   const auto now = [&] {
     timespec time;
     clock_gettime(clock, &time);

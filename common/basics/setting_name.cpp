@@ -14,10 +14,8 @@ SettingNames current = SettingNames::Options;
 
 void setSettingNames(SettingNames names) { current = names; }
 
-std::string settingName(const std::string& words)
-{
-  if (current == SettingNames::Options)
-    return "--" + words;
+std::string settingName(const std::string& words) {
+  if (current == SettingNames::Options) return "--" + words;
   std::string name = words;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;

@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-enum class SettingNames
-{
+enum class SettingNames {
   Options,  // --frame-level
   Arguments // frame_level
 };

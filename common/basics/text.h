@@ -9,17 +9,14 @@
 namespace cbvh {
 
 /* Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
-inline std::string lowerCase(std::string text)
-{
+inline std::string lowerCase(std::string text) {
   for (char& c : text)
-    if (c >= 'A' && c <= 'Z')
-      c = char(c + ('a' - 'A'));
+    if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
   return text;
 }
 
 /* Up to 6 significant digits, as %g prints. */
-inline std::string shortNumber(float value)
-{
+inline std::string shortNumber(float value) {
   char text[32];
   std::snprintf(text, sizeof(text), "%g", double(value));
   return text;

@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-struct Vec2f
-{
+struct Vec2f {
   float x = 0, y = 0;
 };
 
@@ -21,8 +20,7 @@ inline Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
 inline Vec2f operator*(Vec2f a, float s) { return {a.x * s, a.y * s}; }
 
 template<typename T>
-struct Vec3
-{
+struct Vec3 {
   T x = 0, y = 0, z = 0;
 
   friend Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -40,15 +38,13 @@ using Vec3d = Vec3<double>;
 inline Vec3d toDouble(Vec3f a) { return {a.x, a.y, a.z}; }
 
 template<typename T>
-T dot(Vec3<T> a, Vec3<T> b)
-{
+T dot(Vec3<T> a, Vec3<T> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 /* True if the square of a vector's length did not over- or underflow, so that its root is accurate. */
 template<typename T>
-bool isAccurateSquare(T square)
-{
+bool isAccurateSquare(T square) {
   using Limits = std::numeric_limits<T>;
   return square >= Limits::min() / Limits::epsilon() && square <= Limits::max();
 }
@@ -56,44 +52,36 @@ bool isAccurateSquare(T square)
 /* Scales a vector so that its largest component is 1. Returns its previous magnitude; does nothing and returns 0 for
  * vectors that are zero or not finite. */
 template<typename T>
-T scaleToOne(Vec3<T>& a)
-{
+T scaleToOne(Vec3<T>& a) {
   const T largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
-  if (!(largest > T(0) && largest <= std::numeric_limits<T>::max()))
-    return T(0);
+  if (!(largest > T(0) && largest <= std::numeric_limits<T>::max())) return T(0);
   a = {a.x / largest, a.y / largest, a.z / largest};
   return largest;
 }
 
 template<typename T>
-T length(Vec3<T> a)
-{
+T length(Vec3<T> a) {
   const T square = dot(a, a);
-  if (isAccurateSquare(square))
-    return std::sqrt(square);
+  if (isAccurateSquare(square)) return std::sqrt(square);
   const T scale = scaleToOne(a);
   return scale > T(0) ? scale * std::sqrt(dot(a, a)) : std::sqrt(square);
 }
 
 template<typename T>
-Vec3<T> cross(Vec3<T> a, Vec3<T> b)
-{
+Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /* The zero vector stays zero. */
 template<typename T>
-Vec3<T> normalize(Vec3<T> a)
-{
-  if (!isAccurateSquare(dot(a, a)) && scaleToOne(a) == T(0))
-    return a;
+Vec3<T> normalize(Vec3<T> a) {
+  if (!isAccurateSquare(dot(a, a)) && scaleToOne(a) == T(0)) return a;
   return a * (T(1) / length(a));
 }
 
 /* True if normalize(a) has length 1, also if the square of a's length is out of range. */
 template<typename T>
-bool hasDirection(Vec3<T> a)
-{
+bool hasDirection(Vec3<T> a) {
   return length(normalize(a)) > T(0);
 }
 
@@ -102,13 +90,11 @@ inline Vec3f minimum(Vec3f a, Vec3f b) { return {std::min(a.x, b.x), std::min(a.
 inline Vec3f maximum(Vec3f a, Vec3f b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 inline bool isFinite(Vec3f a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-struct Box3f
-{
+struct Box3f {
   Vec3f lower{INFINITY, INFINITY, INFINITY};
   Vec3f upper{-INFINITY, -INFINITY, -INFINITY};
 
-  void extend(Vec3f p)
-  {
+  void extend(Vec3f p) {
     lower = minimum(lower, p);
     upper = maximum(upper, p);
   }

@@ -23,36 +23,33 @@
 namespace cbvh {
 
 /* Each quad is the triangles 00, 10, 01 and 01, 10, 11. */
-struct StoredMesh
-{
+struct StoredMesh {
   std::vector<Vec3f> vertices;                // parts repeat border vertices: equal floats, for cGRID only in a face
   std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01
   std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };
 
 /* Largest spacing of cVERT's lattice, in pixels of a camera. */
-struct PixelBound
-{
-  float pixels = 0;     // 0 for none
+struct PixelBound {
+  float pixels = 0; // 0 for none
   Vec3f eye;
-  float footprint = 0;  // width of a pixel at a distance of 1
+  float footprint = 0; // width of a pixel at a distance of 1
 };
 
-struct BuildSettings
-{
+struct BuildSettings {
   int level = 6;
   std::shared_ptr<const EdgeRates> rates; // replaces `level` if set; not for triangles or meshes
-  int threads = 0;     // 0 for all
+  int threads = 0;                        // 0 for all
 
   /* cVERT: the coarsest lattice spacing, 0 for lossless. cLEAF and cVOXEL with an automatic frame level: the largest
    * thickness of leaves, 0 for no bound. Negative: the library's default, or Model::spacing if a mesh has one. */
   float maxError = -1;
 
   PixelBound pixelBound;
-  bool filters = false; // call the filter functions of intersect contexts
-  std::string isa;      // Embree's name of the widest instruction set, empty for the best
+  bool filters = false;       // call the filter functions of intersect contexts
+  std::string isa;            // Embree's name of the widest instruction set, empty for the best
   std::string device = "cpu"; // tracing device: "cpu", "vulkan", "ray-query", "vulkan:NAME" or "ray-query:NAME"
-  std::string name;     // for progress; empty for the representation's label
+  std::string name;           // for progress; empty for the representation's label
 };
 
 /* Throws Error that names --level, --threads, --isa or --device and its value. */
@@ -62,24 +59,21 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
 RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 
 /* Fraction of quads that cLEAF stores as cVERT, in [0,1]. */
-inline double fallbackQuadFraction(const RTCCompressionStatistics& s)
-{
+inline double fallbackQuadFraction(const RTCCompressionStatistics& s) {
   return s.numQuads ? double(s.numFallbackQuads) / double(s.numQuads) : 0.0;
 }
 
-struct BuildReport
-{
-  double seconds = 0;    // for committing geometries and scene
-  size_t liveBytes = 0;  // after the commit, including buffers and cage
-  size_t peakBytes = 0;  // maximum during the commit
+struct BuildReport {
+  double seconds = 0;   // for committing geometries and scene
+  size_t liveBytes = 0; // after the commit, including buffers and cage
+  size_t peakBytes = 0; // maximum during the commit
   size_t quads = 0;
-  RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
-  SeamGap seams;         // closed by the displacement
+  RTCCompressionStatistics compression{};    // all zero for NAIVE and GRID
+  SeamGap seams;                             // closed by the displacement
   std::optional<VulkanSceneReport> onDevice; // set if a Vulkan device traces
 
   /* The thickness of leaves, or the movement of vertices plus the width of gaps between faces. */
-  float distanceFromMesh() const
-  {
+  float distanceFromMesh() const {
     return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderMismatch);
   }
 
@@ -88,15 +82,13 @@ struct BuildReport
   double fallbackFraction() const { return fallbackQuadFraction(compression); }
 };
 
-class BuiltScene : public TracedScene
-{
+class BuiltScene : public TracedScene {
 public:
   /* Shows progress. The model must outlive the scene. Throws Error with Embree's message. */
   BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings);
 
   RTCScene handle() const override { return scene.get(); }
-  const SceneTracer& tracer() const override
-  {
+  const SceneTracer& tracer() const override {
     return vulkanTracer ? static_cast<const SceneTracer&>(*vulkanTracer) : *embreeTracer;
   }
   const VulkanTracer* vulkan() const override { return vulkanTracer.get(); }
@@ -137,7 +129,7 @@ private:
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
   std::unique_ptr<VulkanTracer> vulkanTracer; // released before its scene
-  bool splitsQuads = false; // true if hits are on NAIVE's triangles, two per quad
+  bool splitsQuads = false;                   // true if hits are on NAIVE's triangles, two per quad
   BuildReport built;
 };
 

@@ -21,8 +21,7 @@ namespace cbvh {
  * - "quads": indexed quads in the order of OpenSubdiv's uniform refinement; "quads:rows": patch by patch, row by row;
  *   "quads:shuffled";
  * - "triangles", "triangles:rows", "triangles:shuffled": two triangles for each of these quads. */
-struct DicedInput
-{
+struct DicedInput {
   enum Shape { Grids, Quads, Triangles };
   enum Order { Refined, Rows, Shuffled };
 
@@ -35,8 +34,7 @@ struct DicedInput
   static DicedInput parse(const std::string& text);
 };
 
-struct QuadMesh
-{
+struct QuadMesh {
   std::vector<Vec3f> vertices;
   std::vector<std::array<unsigned, 4>> quads; // vertices in order around the quad
 };
@@ -44,8 +42,7 @@ struct QuadMesh
 /* Returns an uncommitted geometry with its own copy of the mesh. */
 GeometryHandle makeIndexedGeometry(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles);
 
-class DicedSurface
-{
+class DicedSurface {
 public:
   /* The model must outlive the surface. Throws Error. */
   DicedSurface(const Model& model, const BuildSettings& settings);

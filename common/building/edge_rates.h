@@ -13,10 +13,8 @@
 
 namespace cbvh {
 
-struct EdgeRates
-{
-  struct Copy
-  {
+struct EdgeRates {
+  struct Copy {
     std::vector<float> rates;  // quads along the edge from a corner to the next, per face index
     std::vector<float> levels; // to which displacement is filtered at a corner, per face index
   };

@@ -16,8 +16,7 @@
 
 namespace cbvh {
 
-class MemoryMonitor
-{
+class MemoryMonitor {
 public:
   size_t live() const { return size_t(liveBytes.load()); }
   size_t peak() const { return size_t(peakBytes.load()); }
@@ -30,8 +29,7 @@ private:
   std::atomic<ssize_t> liveBytes{0}, peakBytes{0};
 };
 
-class EmbreeDevice
-{
+class EmbreeDevice {
 public:
   /* `config` is Embree's configuration string. Throws Error if Embree rejects it, or if it selects
    * compression and the library has none. */
@@ -60,12 +58,10 @@ private:
 
 const char* errorName(RTCError code);
 
-struct SceneRelease
-{
+struct SceneRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
-struct GeometryRelease
-{
+struct GeometryRelease {
   void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
 };
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
@@ -74,8 +70,7 @@ using GeometryHandle = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 /* The geometry owns the buffer (slot 0). `operation` names the operation in errors. Throws Error. */
 template<typename T>
 T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count,
-             const char* operation)
-{
+             const char* operation) {
   void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
   device.check(operation);
   return static_cast<T*>(data);

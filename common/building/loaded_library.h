@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-struct LoadedLibrary
-{
+struct LoadedLibrary {
   std::string path;
   std::string embreeVersion; // "3.13.5"; empty if it opens no device
   std::string cbvhVersion;   // "0.9.0"; empty for stock Embree

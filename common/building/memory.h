@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-struct BuildSize
-{
+struct BuildSize {
   BuildSize(size_t quads, size_t timeSteps = 1) : quads(quads), timeSteps(timeSteps) {}
   BuildSize(const Model& model, int level) : quads(model.layout(level).numQuads()), timeSteps(1 + model.poses.size()) {}
 

@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-enum class RepresentationKind
-{
+enum class RepresentationKind {
   Naive, // two triangles per quad in Embree's triangle BVH
   Grid,  // Embree's vertex grids
   /* The library's kinds, described in kernels/cbvh/base/kinds.h. */
@@ -35,8 +34,7 @@ const std::string& optionNameOf(RepresentationKind kind);
 
 /* Lists all names: "naive, naive-compact, ...". `last` precedes the last one. */
 std::string listOfRepresentations(const std::string& separator, const std::string& last);
-inline std::string listOfRepresentations(const std::string& separator)
-{
+inline std::string listOfRepresentations(const std::string& separator) {
   return listOfRepresentations(separator, separator);
 }
 
@@ -52,8 +50,7 @@ extern const int maxLevel; // the library's limit for tessellation and frames
 /* "0 to 8" */
 std::string levelRange();
 
-struct Representation
-{
+struct Representation {
   RepresentationKind kind = RepresentationKind::Grid;
   int frameLevel = autoFrameLevel; // or 0 to maxLevel; ignored if hasFrames() is false
 

@@ -15,21 +15,18 @@
 namespace cbvh {
 namespace {
 
-struct FileRelease
-{
+struct FileRelease {
   void operator()(RTCCompressedFile file) const { rtcReleaseCompressedFile(file); }
 };
 } // namespace
 
 /* Here, so that programs that do not save also run with older libraries, which lack these functions. */
-void BuiltScene::save(const std::string& path) const
-{
+void BuiltScene::save(const std::string& path) const {
   requireNoInputFile(path);
   const FileWriterHandle writer(rtcNewCompressedFileWriter(device->handle(), path.c_str()));
   device->check("saving");
   Phase phase(path);
-  for (size_t i = 0; i < numGeometries; i++)
-  {
+  for (size_t i = 0; i < numGeometries; i++) {
     rtcAppendCompressedGeometry(writer.get(), rtcGetGeometry(scene.get(), unsigned(i)));
     device->check("saving");
     phase.update(double(i + 1) / double(numGeometries));
@@ -41,8 +38,7 @@ void BuiltScene::save(const std::string& path) const
 
 /* Opening a geometry reads its tree. */
 SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
-  : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa)))
-{
+  : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa))) {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t used = std::clock();
   const std::unique_ptr<RTCCompressedFileTy, FileRelease> file(rtcOpenCompressedFile(device->handle(), path.c_str()));
@@ -68,27 +64,21 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
   opening = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-size_t SavedScene::quads() const
-{
+size_t SavedScene::quads() const {
   size_t sum = 0;
-  for (const RTCCompressionStatistics& ofGeometry : statistics)
-    sum += ofGeometry.numQuads;
+  for (const RTCCompressionStatistics& ofGeometry : statistics) sum += ofGeometry.numQuads;
   return sum;
 }
 
-size_t SavedScene::bytes() const
-{
+size_t SavedScene::bytes() const {
   size_t sum = 0;
-  for (const RTCCompressedFileGeometryInfo& geometry : descriptions)
-    sum += geometry.bytes;
+  for (const RTCCompressedFileGeometryInfo& geometry : descriptions) sum += geometry.bytes;
   return sum;
 }
 
-SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const
-{
+SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const {
   SurfaceHit hit;
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-    return hit;
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
   hit.t = ray.ray.tfar;
   hit.u = ray.hit.u;
   hit.v = ray.hit.v;

@@ -16,14 +16,12 @@
 
 namespace cbvh {
 
-struct FileWriterRelease
-{
+struct FileWriterRelease {
   void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
 };
 using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRelease>;
 
-class SavedScene : public TracedScene
-{
+class SavedScene : public TracedScene {
 public:
   /* Opens a file and commits a scene of all its geometries. `isa` as in BuildSettings. Throws Error. */
   SavedScene(const std::string& path, unsigned threads, const std::string& isa = "");

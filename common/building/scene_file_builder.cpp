@@ -12,18 +12,15 @@
 namespace cbvh {
 namespace {
 
-class InputKey
-{
+class InputKey {
 public:
   template<typename T>
-  void add(const std::vector<T>& values)
-  {
+  void add(const std::vector<T>& values) {
     add(values.size());
     addBytes(values.data(), values.size() * sizeof(T));
   }
   template<typename T>
-  void add(T value)
-  {
+  void add(T value) {
     addBytes(&value, sizeof(value));
   }
   void add(Vec3f v) { add(v.x), add(v.y), add(v.z); }
@@ -37,31 +34,25 @@ private:
 };
 
 /* Samples the displacement at a few points of each face. */
-void addDisplacement(InputKey& key, const Model& model, int level)
-{
+void addDisplacement(InputKey& key, const Model& model, int level) {
   constexpr size_t n = 4;
   const float u[n] = {0.5f, 0.25f, 0.625f, 0.8125f}, v[n] = {0.5f, 0.375f, 0.125f, 0.6875f};
   const Vec3f normals[n] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}};
-  for (unsigned face = 0; model.displacement && face < model.cage.numFaces(); face++)
-  {
+  for (unsigned face = 0; model.displacement && face < model.cage.numFaces(); face++) {
     const SurfacePoints points{face, level, n, u, v};
     float offsets[n];
     Vec3f vectors[n];
-    if (model.displacement->isAlongNormals())
-    {
+    if (model.displacement->isAlongNormals()) {
       model.displacement->offsets(points, offsets);
-      for (float offset : offsets)
-        key.add(offset);
+      for (float offset : offsets) key.add(offset);
       continue;
     }
     model.displacement->vectors(points, normals, vectors);
-    for (Vec3f vector : vectors)
-      key.add(vector);
+    for (Vec3f vector : vectors) key.add(vector);
   }
 }
 
-unsigned long long keyOf(const Model& model, const Representation& representation, const BuildSettings& settings)
-{
+unsigned long long keyOf(const Model& model, const Representation& representation, const BuildSettings& settings) {
   InputKey key;
   const std::string label = representation.label();
   key.add(std::vector<char>(label.begin(), label.end()));
@@ -70,8 +61,7 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
   key.add(settings.pixelBound.pixels);
   key.add(settings.pixelBound.eye);
   key.add(settings.pixelBound.footprint);
-  for (size_t i = 0; settings.rates && i < settings.rates->copies.size(); i++)
-    key.add(settings.rates->copies[i].rates);
+  for (size_t i = 0; settings.rates && i < settings.rates->copies.size(); i++) key.add(settings.rates->copies[i].rates);
   key.add(model.cage.faceSizes);
   key.add(model.cage.faceIndices);
   key.add(model.cage.holes);
@@ -81,8 +71,7 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
   key.add(model.cage.cornerSharpness);
   key.add(model.cage.boundary);
   key.add(model.poses.size());
-  for (Vec3f p : model.positions())
-    key.add(p);
+  for (Vec3f p : model.positions()) key.add(p);
   addDisplacement(key, model, settings.level);
   return key.key();
 }
@@ -90,8 +79,7 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
 } // namespace
 
 FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings,
-                            const std::string& path)
-{
+                            const std::string& path) {
   requireNoInputFile(path);
   EmbreeDevice device(deviceConfig(representation, settings));
   RTCCompressionArguments arguments = compressionArguments(settings);
@@ -111,8 +99,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   {
     const std::string resumed = report.found ? ", resumed at geometry " + std::to_string(report.found) : "";
     Phase phase(path + resumed, Phase::PercentAndTimeLeft);
-    for (size_t i = report.found; i < report.geometries; i++)
-    {
+    for (size_t i = report.found; i < report.geometries; i++) {
       DisplacementContext context;
       setDisplacement(context, model, i, settings.level, settings.rates.get());
       context.gaps = &gaps;

@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-struct FileBuildReport
-{
+struct FileBuildReport {
   size_t geometries = 0, found = 0; // found: in the file of an interrupted build
   double seconds = 0;               // without these
   size_t quads = 0;                 // without these

@@ -6,8 +6,7 @@
 namespace cbvh {
 namespace {
 
-RTCIntersectContext coherentContext()
-{
+RTCIntersectContext coherentContext() {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -16,31 +15,25 @@ RTCIntersectContext coherentContext()
 
 } // namespace
 
-void EmbreeTracer::intersect(RTCRayHit* rays, size_t n) const
-{
+void EmbreeTracer::intersect(RTCRayHit* rays, size_t n) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  for (size_t i = 0; i < n; i++)
-    rtcIntersect1(scene, &context, &rays[i]);
+  for (size_t i = 0; i < n; i++) rtcIntersect1(scene, &context, &rays[i]);
 }
 
-void EmbreeTracer::occluded(RTCRay* rays, size_t n) const
-{
+void EmbreeTracer::occluded(RTCRay* rays, size_t n) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  for (size_t i = 0; i < n; i++)
-    rtcOccluded1(scene, &context, &rays[i]);
+  for (size_t i = 0; i < n; i++) rtcOccluded1(scene, &context, &rays[i]);
 }
 
 /* Embree splits a stream of coherent rays into packets. */
-void PacketTracer::intersect(RTCRayHit* rays, size_t n) const
-{
+void PacketTracer::intersect(RTCRayHit* rays, size_t n) const {
   RTCIntersectContext context = coherentContext();
   rtcIntersect1M(scene, &context, rays, unsigned(n), sizeof(RTCRayHit));
 }
 
-void PacketTracer::occluded(RTCRay* rays, size_t n) const
-{
+void PacketTracer::occluded(RTCRay* rays, size_t n) const {
   RTCIntersectContext context = coherentContext();
   rtcOccluded1M(scene, &context, rays, unsigned(n), sizeof(RTCRay));
 }

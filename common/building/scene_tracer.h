@@ -10,8 +10,7 @@
 namespace cbvh {
 
 /* One way to trace rays through a committed scene, which must outlive the tracer. */
-class SceneTracer
-{
+class SceneTracer {
 public:
   virtual ~SceneTracer() = default;
 
@@ -22,8 +21,7 @@ public:
 };
 
 /* Single rays, on the calling thread. */
-class EmbreeTracer : public SceneTracer
-{
+class EmbreeTracer : public SceneTracer {
 public:
   explicit EmbreeTracer(RTCScene scene) : scene(scene) {}
 
@@ -35,8 +33,7 @@ private:
 };
 
 /* Packets of 4, 8 or 16 rays, whichever fills a vector register, with the coherent flag, on the calling thread. */
-class PacketTracer : public SceneTracer
-{
+class PacketTracer : public SceneTracer {
 public:
   explicit PacketTracer(RTCScene scene) : scene(scene) {}
 

@@ -15,49 +15,40 @@
 namespace cbvh {
 namespace {
 
-bool hasTriangles(const Representation& r)
-{
+bool hasTriangles(const Representation& r) {
   return r.kind == RepresentationKind::CVert || r.kind == RepresentationKind::CGrid;
 }
 
 } // namespace
 
-bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const
-{
+bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const {
   if (!hasTriangles(builtAs))
     throw Error("looking up a triangle: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
-  if (!hit.hit())
-    return false;
+  if (!hit.hit()) return false;
   RTCCompressedTriangle triangle;
   const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy));
   const bool found = rtcFindCompressedTriangle(geometry, time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
                                                &hit.normal.x, &triangle);
-  if (found)
-    std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
-  else
-    device->check("looking up a triangle");
+  if (found) std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
+  else device->check("looking up a triangle");
   return found;
 }
 
-StoredMesh BuiltScene::storedMesh(float time) const
-{
+StoredMesh BuiltScene::storedMesh(float time) const {
   if (!hasTriangles(builtAs))
     throw Error("reading the surface: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
-  struct Collector
-  {
+  struct Collector {
     StoredMesh mesh;
     size_t firstFace = 0; // of the geometry whose parts are added
 
-    static bool add(void* self, const RTCCompressedPart* part)
-    {
+    static bool add(void* self, const RTCCompressedPart* part) {
       Collector& collector = *static_cast<Collector*>(self);
       StoredMesh& mesh = collector.mesh;
       const unsigned first = unsigned(mesh.vertices.size()), width = part->width;
       for (unsigned i = 0; i < width * part->height; i++)
         mesh.vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
       for (unsigned y = 0; y + 1 < part->height; y++)
-        for (unsigned x = 0; x + 1 < width; x++)
-        {
+        for (unsigned x = 0; x + 1 < width; x++) {
           const unsigned i = first + y * width + x;
           mesh.quads.push_back({i, i + 1, i + width + 1, i + width});
           const unsigned quad = (y * (width - 1) + x) * part->primitivesPerQuad;
@@ -66,8 +57,7 @@ StoredMesh BuiltScene::storedMesh(float time) const
       return !cancelRequested();
     }
   } collector;
-  for (size_t i = 0; i < numGeometries; i++)
-  {
+  for (size_t i = 0; i < numGeometries; i++) {
     collector.firstFace = i * facesPerCopy;
     rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), time, Collector::add, &collector);
   }

@@ -17,8 +17,7 @@
 namespace cbvh {
 
 /* Progress by displaced points, because stock Embree calls its progress monitor only after the tessellation. */
-class TessellationProgress
-{
+class TessellationProgress {
 public:
   TessellationProgress(Phase& phase, size_t quads) : phase(phase), quads(quads) {}
 
@@ -32,13 +31,12 @@ private:
 };
 
 /* Data that the displacement function of a geometry reads and writes; must outlive the geometry. */
-struct DisplacementContext
-{
+struct DisplacementContext {
   const Displacement* displacement = nullptr; // null for none
   int level = 0;
-  const EdgeRates* rates = nullptr;           // replaces `level` if set
-  const EdgeRates::Copy* copy = nullptr;      // of `rates`, for this geometry; set if `rates` is
-  Placement placement;                        // set by SharedTopology::makeGeometry
+  const EdgeRates* rates = nullptr;      // replaces `level` if set
+  const EdgeRates::Copy* copy = nullptr; // of `rates`, for this geometry; set if `rates` is
+  Placement placement;                   // set by SharedTopology::makeGeometry
 
   /* If `captured` is set, it receives the vertices that Embree tessellates at the first time step, 3 floats each, in
    * the order of `layout`. Then `layout` must be set, and all edges must have the rate of `level`. */
@@ -53,16 +51,14 @@ struct DisplacementContext
  * outlive the context. */
 void setDisplacement(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates);
 
-struct BufferRelease
-{
+struct BufferRelease {
   void operator()(RTCBuffer buffer) const { rtcReleaseBuffer(buffer); }
 };
 using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
 
 /* Buffers that all copies of a cage share. The device, the cage and its poses (vertices at later time steps) must
  * outlive the object; geometries keep the buffers. */
-class SharedTopology
-{
+class SharedTopology {
   static inline const std::vector<std::vector<Vec3f>> noPoses;
 
 public:
@@ -79,15 +75,14 @@ public:
                               const std::vector<Vec3f>* shape = nullptr) const;
 
 private:
-  struct Buffer
-  {
+  struct Buffer {
     RTCBufferType type;
     RTCFormat format;
     size_t stride, count;
     BufferHandle handle;
   };
-  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement,
-                   const std::vector<Vec3f>& positions, const std::vector<Vec3f>* shape) const;
+  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions,
+                   const std::vector<Vec3f>* shape) const;
   template<typename T>
   void add(RTCBufferType type, RTCFormat format, const std::vector<T>& data);
 

@@ -10,12 +10,11 @@
 namespace cbvh {
 
 /* A hit of any representation, with face and (u,v) as GRID reports them. */
-struct SurfaceHit
-{
+struct SurfaceHit {
   float t = INFINITY; // infinity for a miss
   float u = 0, v = 0;
   unsigned face = RTC_INVALID_GEOMETRY_ID; // numbered consecutively over the copies of a model
-  Vec3f normal; // geometric, not normalized, in the direction of dP/du x dP/dv
+  Vec3f normal;                            // geometric, not normalized, in the direction of dP/du x dP/dv
 
   bool hit() const { return t < INFINITY; }
 };

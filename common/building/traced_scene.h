@@ -15,8 +15,7 @@ namespace cbvh {
 
 class VulkanTracer;
 
-class TracedScene
-{
+class TracedScene {
 public:
   virtual ~TracedScene() = default;
 
@@ -32,8 +31,7 @@ public:
   /* Throws Error if rays reached damaged blocks of a file. Such rays miss these blocks. */
   virtual void check() const {}
 
-  Box3f bounds() const
-  {
+  Box3f bounds() const {
     RTCBounds b;
     rtcGetSceneBounds(handle(), &b);
     return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};

@@ -17,8 +17,7 @@ namespace {
 /* Quads that keep smooth shapes round: the 64 chords of an arc of a right angle deviate by 1/20000 of its length. */
 constexpr float smoothRate = 64.0f;
 
-RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing)
-{
+RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing) {
   RTCDicingArguments args;
   rtcInitDicingArguments(&args);
   const auto set = [](float* out, Vec3f v) {
@@ -37,40 +36,35 @@ RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing)
   return args;
 }
 
-std::vector<float> highestRates(const Model& model)
-{
+std::vector<float> highestRates(const Model& model) {
   std::vector<float> highest;
   for (unsigned face = 0; face < model.cage.numFaces(); face++)
-    for (unsigned edge = 0; edge < model.cage.faceSizes[face]; edge++)
-    {
+    for (unsigned edge = 0; edge < model.cage.faceSizes[face]; edge++) {
       const float texels = model.displacement ? model.displacement->texelsAlongEdge(face, edge) : INFINITY;
       highest.push_back(std::max(smoothRate, texels));
     }
   return highest;
 }
 
-class Dicer
-{
+class Dicer {
 public:
   Dicer(const Model& model, const Camera& camera, const ViewDicing& dicing, const BuildSettings& settings)
-    : model(model), args(argumentsOf(camera, dicing)), highest(highestRates(model)),
+    : model(model),
+      args(argumentsOf(camera, dicing)),
+      highest(highestRates(model)),
       device("threads=" + std::to_string(threadCount(settings.threads)) +
              (settings.isa.empty() ? "" : ",isa=" + settings.isa)),
-      topology(device, model.cage, model.poses)
-  {
+      topology(device, model.cage, model.poses) {
     args.maxRates = highest.data();
   }
 
   /* Replaces the rates. If `displaced`, measures the surface displaced and filtered to the previous rates. */
-  void dice(EdgeRates& rates, bool displaced)
-  {
+  void dice(EdgeRates& rates, bool displaced) {
     rates.copies.resize(model.copies.size());
-    for (size_t i = 0; i < model.copies.size(); i++)
-    {
+    for (size_t i = 0; i < model.copies.size(); i++) {
       throwIfCanceled();
       DisplacementContext context;
-      if (displaced)
-      {
+      if (displaced) {
         context.displacement = model.displacement.get();
         context.rates = &rates;
         context.copy = &rates.copies[i];
@@ -96,32 +90,26 @@ private:
 } // namespace
 
 std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing,
-                                            const BuildSettings& settings)
-{
+                                            const BuildSettings& settings) {
   Phase phase("rates by the view");
   auto rates = std::make_shared<EdgeRates>();
   Dicer dicer(model, camera, dicing, settings);
   dicer.dice(*rates, false);
-  if (model.displacement)
-    dicer.dice(*rates, true); // edges are longer after displacement
+  if (model.displacement) dicer.dice(*rates, true); // edges are longer after displacement
   return rates;
 }
 
 BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera,
-                              const std::optional<ViewDicing>& dicing, float maxPixelError)
-{
+                              const std::optional<ViewDicing>& dicing, float maxPixelError) {
   settings.pixelBound = {maxPixelError, camera.eye(), camera.footprint()};
-  if (dicing)
-    settings.rates = diceByView(model, camera, *dicing, settings);
+  if (dicing) settings.rates = diceByView(model, camera, *dicing, settings);
   return settings;
 }
 
-float highestRate(const std::vector<Representation>& representations)
-{
+float highestRate(const std::vector<Representation>& representations) {
   float highest = 4096;
   for (const Representation& r : representations)
-    if (r.kind != RepresentationKind::CVert)
-      highest = float(1 << maxLevel);
+    if (r.kind != RepresentationKind::CVert) highest = float(1 << maxLevel);
   return highest;
 }
 

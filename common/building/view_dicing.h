@@ -14,8 +14,7 @@
 
 namespace cbvh {
 
-struct ViewDicing
-{
+struct ViewDicing {
   float quadSize = 1; // pixels
   float maxRate = 4096;
 };

@@ -12,16 +12,14 @@
 
 namespace cbvh {
 
-struct VulkanSceneReport
-{
-  std::string device;       // names of device and driver
+struct VulkanSceneReport {
+  std::string device; // names of device and driver
   double uploadSeconds = 0;
   size_t deviceBytes = 0;
   size_t importedBytes = 0; // blocks used in place in host memory
 };
 
-class VulkanTracer : public SceneTracer
-{
+class VulkanTracer : public SceneTracer {
 public:
   /* `name` is "vulkan", or "ray-query" to let the driver's ray queries find the blocks; then optionally : and an
    * index or a part of a device's name. Tracers share an open device. The scene must outlive the tracer. Throws
@@ -36,8 +34,7 @@ public:
 };
 
 /* The parts of a name as in VulkanTracer::create. */
-struct VulkanDeviceName
-{
+struct VulkanDeviceName {
   explicit VulkanDeviceName(const std::string& name);
 
   bool byRayQuery;

@@ -15,8 +15,7 @@
 namespace cbvh {
 
 /* A vertex of GRID, to the bit. */
-struct AimPoint
-{
+struct AimPoint {
   Vec3f position;
   Vec3f neighbor; // the other end of a quad's edge
   Vec3f normal;   // outwards, approximate

@@ -10,8 +10,7 @@
 
 namespace cbvh {
 
-struct BlockGrid
-{
+struct BlockGrid {
   const PatchLayout& layout;
   int level;
   int frameLevel;

@@ -10,12 +10,10 @@
 namespace cbvh {
 namespace {
 
-struct CountingContext : RTCIntersectContext
-{
+struct CountingContext : RTCIntersectContext {
   size_t crossings = 0;
 
-  CountingContext()
-  {
+  CountingContext() {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) {
       static_cast<CountingContext*>(args->context)->crossings++;
@@ -24,8 +22,7 @@ struct CountingContext : RTCIntersectContext
   }
 };
 
-size_t crossingsOf(const BuiltScene& scene, const Ray& ray)
-{
+size_t crossingsOf(const BuiltScene& scene, const Ray& ray) {
   CountingContext context;
   RTCRayHit out;
   load(ray, out.ray);
@@ -38,15 +35,13 @@ size_t crossingsOf(const BuiltScene& scene, const Ray& ray)
 } // namespace
 
 CrossingCounts countCrossings(const BuiltScene& grid, const BuiltScene& scene, const std::vector<Ray>& rays,
-                              unsigned threads)
-{
+                              unsigned threads) {
   CrossingCounts all;
   std::mutex mutex;
   parallelFor(rays.size(), 4096, threads, [&](size_t begin, size_t end) {
     const FlushDenormals denormals;
     CrossingCounts counts;
-    for (size_t i = begin; i < end; i++)
-    {
+    for (size_t i = begin; i < end; i++) {
       const size_t inScene = crossingsOf(scene, rays[i]), inGrid = crossingsOf(grid, rays[i]);
       counts.rays++;
       counts.sceneCrossings += inScene;

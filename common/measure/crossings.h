@@ -12,8 +12,7 @@
 
 namespace cbvh {
 
-struct CrossingCounts
-{
+struct CrossingCounts {
   size_t rays = 0;
   size_t sceneCrossings = 0, gridCrossings = 0;
   size_t differentCounts = 0;   // rays with another number of crossings than in GRID

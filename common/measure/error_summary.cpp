@@ -6,25 +6,18 @@
 
 namespace cbvh {
 
-double rootOfMean(double sumOfSquares, size_t n)
-{
-  return n ? std::sqrt(sumOfSquares / double(n)) : 0.0;
-}
+double rootOfMean(double sumOfSquares, size_t n) { return n ? std::sqrt(sumOfSquares / double(n)) : 0.0; }
 
-void ErrorSamples::add(float pixels, float degrees, std::optional<float> quads)
-{
+void ErrorSamples::add(float pixels, float degrees, std::optional<float> quads) {
   distances.push_back(pixels);
   sumOfSquares += double(pixels) * pixels;
   angles.push_back(degrees);
   flipped += degrees > 90.0f;
-  if (quads)
-    uvDistances.push_back(*quads);
-  else
-    otherPatch++;
+  if (quads) uvDistances.push_back(*quads);
+  else otherPatch++;
 }
 
-ErrorSummary ErrorSamples::summary()
-{
+ErrorSummary ErrorSamples::summary() {
   ErrorSummary s;
   s.rmse = rootOfMean(sumOfSquares, distances.size());
   s.median = quantile(distances, 0.5);

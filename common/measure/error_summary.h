@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-struct ErrorSummary
-{
+struct ErrorSummary {
   /* Distances, in pixels at the hit. */
   double rmse = 0, median = 0, p99 = 0, max = 0;
   /* Angles between geometric normals in degrees; 180 is a wrong sign. */
@@ -24,8 +23,7 @@ struct ErrorSummary
 /* Returns 0 if n is 0. */
 double rootOfMean(double sumOfSquares, size_t n);
 
-class ErrorSamples
-{
+class ErrorSamples {
 public:
   /* Adds a hit: distance in pixels, angle between normals in degrees, and distance in (u,v) in quads, or none on
    * another patch. */

@@ -17,8 +17,7 @@
 
 namespace cbvh {
 
-struct HeightBins
-{
+struct HeightBins {
   size_t hits = 0;
   /* Sizes of bins along the ray in pixels, quantiles (k + 1) / 20. */
   std::array<double, 19> quantiles{};

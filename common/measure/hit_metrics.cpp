@@ -6,57 +6,44 @@
 namespace cbvh {
 
 std::vector<float> pixelErrors(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits,
-                               float footprint)
-{
+                               float footprint) {
   std::vector<float> errors(hits.size());
-  for (size_t i = 0; i < hits.size(); i++)
-  {
+  for (size_t i = 0; i < hits.size(); i++) {
     if (reference[i].hit() && hits[i].hit())
       errors[i] = std::abs(hits[i].t - reference[i].t) / (footprint * reference[i].t);
-    else
-      errors[i] = hits[i].hit() ? falseHitError : reference[i].hit() ? missError : backgroundError;
+    else errors[i] = hits[i].hit() ? falseHitError : reference[i].hit() ? missError : backgroundError;
   }
   return errors;
 }
 
-std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b)
-{
+std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b) {
   std::vector<SurfaceHit> nearer = a;
   for (size_t i = 0; i < nearer.size(); i++)
-    if (b[i].t < nearer[i].t)
-      nearer[i] = b[i];
+    if (b[i].t < nearer[i].t) nearer[i] = b[i];
   return nearer;
 }
 
 /* Distance in quads; none if the hits are on different patches. */
-static std::optional<float> distanceOnPatch(const SurfaceHit& a, const SurfaceHit& b, const PatchLayout& layout)
-{
-  if (a.face != b.face)
-    return std::nullopt;
+static std::optional<float> distanceOnPatch(const SurfaceHit& a, const SurfaceHit& b, const PatchLayout& layout) {
+  if (a.face != b.face) return std::nullopt;
   const Patch& patch = layout.find(b.face, b.u, b.v);
-  if (&patch != &layout.find(b.face, a.u, a.v))
-    return std::nullopt;
+  if (&patch != &layout.find(b.face, a.u, a.v)) return std::nullopt;
   return std::hypot(b.u - a.u, b.v - a.v) * float(patch.resolution);
 }
 
 HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits, float footprint,
-                      const PatchLayout& layout)
-{
+                      const PatchLayout& layout) {
   HitErrors result;
   result.rays = hits.size();
   const std::vector<float> pixels = pixelErrors(reference, hits, footprint);
   ErrorSamples samples;
   double inlierSquares = 0, signedSum = 0;
-  for (size_t i = 0; i < hits.size(); i++)
-  {
+  for (size_t i = 0; i < hits.size(); i++) {
     result.falseHits += pixels[i] == falseHitError;
     result.misses += pixels[i] == missError;
-    if (pixels[i] < 0.0f)
-      continue;
-    if (pixels[i] > outlierPixels)
-      result.outliers++;
-    else
-    {
+    if (pixels[i] < 0.0f) continue;
+    if (pixels[i] > outlierPixels) result.outliers++;
+    else {
       inlierSquares += double(pixels[i]) * pixels[i];
       signedSum += hits[i].t < reference[i].t ? -double(pixels[i]) : double(pixels[i]);
     }

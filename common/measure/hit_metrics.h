@@ -16,8 +16,7 @@
 namespace cbvh {
 
 /* Errors of rays that hit in both. */
-struct HitErrors : ErrorSummary
-{
+struct HitErrors : ErrorSummary {
   size_t rays = 0;
   size_t bothHit = 0;
   size_t falseHits = 0; // hits where the reference misses

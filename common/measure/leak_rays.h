@@ -18,8 +18,7 @@
 
 namespace cbvh {
 
-struct LeakSettings
-{
+struct LeakSettings {
   size_t rays = 1000000;  // approximate
   float thickness = 0.0f; // maximum over the scene, world units
   uint32_t seed = 1;
@@ -27,8 +26,7 @@ struct LeakSettings
 
 /* `through` counts rays that pass the wall in front of them by more than twice the thickness, and hit another wall from
  * outside. */
-struct Leaks
-{
+struct Leaks {
   size_t closest = 0; // closest-hit queries that miss
   size_t any = 0;     // any-hit queries that miss
   size_t through = 0;
@@ -36,12 +34,11 @@ struct Leaks
   Leaks& operator+=(const Leaks& other);
 };
 
-struct LeakCounts
-{
+struct LeakCounts {
   size_t rays = 0;
   size_t aimed = 0; // rays at aim points and edges
   Leaks sceneLeaks, gridLeaks;
-  Leaks random;     // the part of sceneLeaks that is not aimed
+  Leaks random;              // the part of sceneLeaks that is not aimed
   std::vector<Ray> examples; // leaks in the scene, at most 16
 };
 

@@ -11,10 +11,8 @@
 namespace cbvh {
 
 /* Nearest rank. Reorders the values. Returns 0 if there are none. */
-inline double quantile(std::vector<float>& values, double q)
-{
-  if (values.empty())
-    return 0.0;
+inline double quantile(std::vector<float>& values, double q) {
+  if (values.empty()) return 0.0;
   const double rank = std::ceil(q * double(values.size()));
   const size_t k = size_t(std::min(std::max(rank - 1.0, 0.0), double(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + ptrdiff_t(k), values.end());
@@ -22,16 +20,14 @@ inline double quantile(std::vector<float>& values, double q)
 }
 
 /* Requires at least one value. */
-inline double median(std::vector<double> values)
-{
+inline double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const size_t n = values.size();
   return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 /* Requires at least one value. */
-inline double interquartileRange(std::vector<double> values)
-{
+inline double interquartileRange(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const size_t quarter = values.size() / 4;
   return values[values.size() - 1 - quarter] - values[quarter];

@@ -19,31 +19,27 @@
 namespace cbvh {
 
 /* How secondary rays avoid the surface that they leave, as in renderers. */
-struct RayOffset
-{
-  float length = 0.0f;  // along the geometric normal to the ray's side, world units
-  float pixels = 0.0f;  // the same, in pixel widths at the hit
-  float ulps = 0.0f;    // tnear along the ray, in ulps of the maximum of |P| and t
+struct RayOffset {
+  float length = 0.0f; // along the geometric normal to the ray's side, world units
+  float pixels = 0.0f; // the same, in pixel widths at the hit
+  float ulps = 0.0f;   // tnear along the ray, in ulps of the maximum of |P| and t
 
   /* As in Embree's path tracer. */
   static RayOffset ofEmbree() { return {0.0f, 0.0f, 32.0f}; }
 };
 
 /* Primary rays, one per pixel. */
-struct PrimaryRays
-{
+struct PrimaryRays {
   const std::vector<Ray>& rays;
   float footprint; // width of a pixel at distance 1
 };
 
-struct TracedHits
-{
+struct TracedHits {
   const SceneTracer& scene;
   const std::vector<SurfaceHit>& hits;
 };
 
-struct ShadowSettings
-{
+struct ShadowSettings {
   RayOffset offset;
   float length = INFINITY; // infinite for ambient light
   unsigned raysPerHit = 1;
@@ -51,16 +47,14 @@ struct ShadowSettings
 };
 
 /* False occlusions are shadows where GRID has light; false passes are the opposite. */
-struct ShadowErrors
-{
+struct ShadowErrors {
   size_t falseOcclusions = 0, falsePasses = 0;
 
   size_t sum() const { return falseOcclusions + falsePasses; }
 };
 
 /* A rate of errors is per ray of the same subset. */
-struct ShadowComparison
-{
+struct ShadowComparison {
   size_t rays = 0;
   size_t occluded = 0; // in GRID
   ShadowErrors all;

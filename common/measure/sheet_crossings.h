@@ -20,8 +20,7 @@
 
 namespace cbvh {
 
-struct SheetSettings
-{
+struct SheetSettings {
   size_t rays = 1000000;
   size_t raysPerSheet = 20000;
   uint32_t seed = 1;
@@ -30,8 +29,7 @@ struct SheetSettings
 };
 
 /* 4 x 4 flat faces over [-1,1]^2, displaced by waves of 3 to 7 quads at frequency 1. */
-struct DisplacedSheet
-{
+struct DisplacedSheet {
   int level = 5;
   int frameLevel = 0;
   float rate = 32;
@@ -45,12 +43,11 @@ struct DisplacedSheet
   std::string describe() const;
 };
 
-struct SheetCrossings
-{
+struct SheetCrossings {
   size_t sheets = 0, rays = 0;
-  size_t closest = 0;    // closest-hit queries that miss but hit GRID's sheet
-  size_t any = 0;        // any-hit queries that miss but hit GRID's sheet
-  size_t gridMisses = 0; // rays of such queries that also miss GRID's sheet, not counted above
+  size_t closest = 0;                // closest-hit queries that miss but hit GRID's sheet
+  size_t any = 0;                    // any-hit queries that miss but hit GRID's sheet
+  size_t gridMisses = 0;             // rays of such queries that also miss GRID's sheet, not counted above
   std::vector<std::string> examples; // at most 16
 };
 

@@ -19,21 +19,15 @@ constexpr double mostRoundDifference = 0.1;
 constexpr int mostRepetitions = 4;
 
 /* Interquartile range relative to the median. Requires at least one value. */
-inline double spreadOf(const std::vector<double>& values)
-{
-  return interquartileRange(values) / median(values);
-}
+inline double spreadOf(const std::vector<double>& values) { return interquartileRange(values) / median(values); }
 
-struct SpeedRounds
-{
+struct SpeedRounds {
   std::vector<double> own, grid; // seconds of each round; without GRID, `grid` is empty
 
   /* GRID's seconds as multiples of the scene's, per round. Requires GRID. */
-  std::vector<double> ratios() const
-  {
+  std::vector<double> ratios() const {
     std::vector<double> all;
-    for (size_t i = 0; i < own.size(); i++)
-      all.push_back(grid[i] / own[i]);
+    for (size_t i = 0; i < own.size(); i++) all.push_back(grid[i] / own[i]);
     return all;
   }
 

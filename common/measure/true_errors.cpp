@@ -12,24 +12,20 @@ namespace cbvh {
 namespace {
 
 /* In pixels unless stated otherwise. */
-struct Measure
-{
+struct Measure {
   bool isMeasured = false, isOutlier = false;
   float distance = 0, world = 0, along = 0, angle = 0; // world: world units; angle: degrees
-  std::optional<float> uvDistance; // in quads, on the same patch
+  std::optional<float> uvDistance;                     // in quads, on the same patch
 };
 
-Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout)
-{
+Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout) {
   constexpr double crossingTolerance = 1e-3; // pixels
   Measure result;
   const unsigned faces = unsigned(view.model.cage.numFaces());
-  if (!hit.hit())
-    return result;
+  if (!hit.hit()) return result;
   const FacePoint reported{hit.face % faces, hit.u, hit.v};
   const TrueSurface& surface = view.surfaces[hit.face / faces];
-  if (!surface.has(reported.face))
-    return result;
+  if (!surface.has(reported.face)) return result;
   result.isMeasured = true;
   const Placement& copy = view.model.copies[hit.face / faces];
 
@@ -43,8 +39,8 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   result.world = float(length(foot.position - x) * copy.scale);
   result.distance = float(result.world / pixel);
 
-  const auto intersection = surface.crossing(origin, direction, foot, 1.0 / resolution,
-                                         crossingTolerance * pixel / copy.scale);
+  const auto intersection =
+      surface.crossing(origin, direction, foot, 1.0 / resolution, crossingTolerance * pixel / copy.scale);
   result.along = intersection ? float(dot(x - intersection->position, direction) * copy.scale / pixel) : INFINITY;
   result.isOutlier = std::abs(result.along) > outlierPixels;
 
@@ -58,23 +54,19 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
 
 } // namespace
 
-std::vector<size_t> sampleHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed)
-{
+std::vector<size_t> sampleHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed) {
   std::vector<size_t> all;
   for (size_t i = 0; i < hits.size(); i++)
-    if (hits[i].hit())
-      all.push_back(i);
+    if (hits[i].hit()) all.push_back(i);
   std::vector<size_t> chosen;
   std::mt19937 engine(seed);
   for (size_t i = 0; i < all.size() && chosen.size() < count; i++)
-    if (double(engine()) * 0x1p-32 * double(all.size() - i) < double(count - chosen.size()))
-      chosen.push_back(all[i]);
+    if (double(engine()) * 0x1p-32 * double(all.size() - i) < double(count - chosen.size())) chosen.push_back(all[i]);
   return chosen;
 }
 
 TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout,
-                                unsigned threads)
-{
+                                unsigned threads) {
   std::vector<Measure> measures(view.sample.size());
   parallelFor(measures.size(), 64, threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; i++)
@@ -85,16 +77,13 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   ErrorSamples samples;
   std::vector<float> world;
   double squaresWorld = 0, squaresAlong = 0, sumAlong = 0;
-  for (const Measure& m : measures)
-  {
-    if (!m.isMeasured)
-      continue;
+  for (const Measure& m : measures) {
+    if (!m.isMeasured) continue;
     samples.add(m.distance, m.angle, m.uvDistance);
     world.push_back(m.world);
     squaresWorld += double(m.world) * m.world;
     result.outliers += m.isOutlier;
-    if (!m.isOutlier)
-    {
+    if (!m.isOutlier) {
       squaresAlong += double(m.along) * m.along;
       sumAlong += m.along;
     }

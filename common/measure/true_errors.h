@@ -15,8 +15,7 @@
 
 namespace cbvh {
 
-struct TrueErrors : ErrorSummary
-{
+struct TrueErrors : ErrorSummary {
   size_t hits = 0;
   /* In world units. */
   double rmseWorld = 0, medianWorld = 0, p99World = 0;
@@ -29,13 +28,12 @@ struct TrueErrors : ErrorSummary
 /* Indices of `count` random hits, or of all if there are fewer, in ascending order. */
 std::vector<size_t> sampleHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed);
 
-struct TrueView
-{
+struct TrueView {
   const Model& model;
   const TrueSurfaces& surfaces;
   const std::vector<Ray>& rays;
-  std::vector<size_t> sample;   // indices of rays to measure
-  float footprint;              // width of a pixel at distance 1
+  std::vector<size_t> sample; // indices of rays to measure
+  float footprint;            // width of a pixel at distance 1
 };
 
 /* `hits` holds one entry per ray of the view; misses are ignored. `layout` is the model's at the level of the hits.

@@ -15,15 +15,12 @@ namespace cbvh {
 namespace {
 
 /* Redirects OpenEXR into a PendingFile, because a destructor writes the last part and ignores errors. */
-class PendingStream : public Imf::OStream
-{
+class PendingStream : public Imf::OStream {
 public:
   PendingStream(PendingFile& file, const std::string& path) : OStream(path.c_str()), file(file) {}
 
-  void write(const char data[], int bytes) override
-  {
-    if (!file.write(data, size_t(bytes), at))
-      throw std::runtime_error(file.error());
+  void write(const char data[], int bytes) override {
+    if (!file.write(data, size_t(bytes), at)) throw std::runtime_error(file.error());
     at += uint64_t(bytes);
   }
   uint64_t tellp() override { return at; }
@@ -36,18 +33,14 @@ private:
 
 } // namespace
 
-void writeExrFile(const std::string& path, const Imf::Header& header, const Imf::FrameBuffer& frame, int lines)
-{
+void writeExrFile(const std::string& path, const Imf::Header& header, const Imf::FrameBuffer& frame, int lines) {
   PendingFile file(path);
-  try
-  {
+  try {
     PendingStream stream(file, path);
     Imf::OutputFile output(stream, header);
     output.setFrameBuffer(frame);
     output.writePixels(lines);
-  }
-  catch (const std::exception& e)
-  {
+  } catch (const std::exception& e) {
     throw Error(path + ": cannot be written: " + (file.error().empty() ? e.what() : file.error()));
   }
   file.commit();

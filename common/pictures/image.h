@@ -13,8 +13,7 @@
 namespace cbvh {
 
 /* 8-bit sRGB, rows from the top. */
-struct Image
-{
+struct Image {
   explicit Image(ImageSize size) : size(size), rgb(size_t(size.width) * size.height * 3) {}
 
   /* `color` is linear and clamped to [0,1]. */

@@ -13,29 +13,25 @@
 
 namespace cbvh {
 
-void writePng(const std::string& path, const Image& image)
-{
+void writePng(const std::string& path, const Image& image) {
   const OIIO::ImageSpec spec(image.size.width, image.size.height, 3, OIIO::TypeDesc::UINT8);
   writeImageFile(path, spec, OIIO::TypeDesc::UINT8, image.rgb.data());
 }
 
 void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors,
-              const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits)
-{
+              const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits) {
   constexpr int floats = 12;
   static const char* const names[floats] = {"P.X", "P.Y", "P.Z", "Z", "N.X", "N.Y", "N.Z", "u", "v", "R", "G", "B"};
   std::vector<float> values(hits.size() * floats, 0.0f);
   std::vector<unsigned> faces(hits.size());
-  for (size_t i = 0; i < hits.size(); i++)
-  {
+  for (size_t i = 0; i < hits.size(); i++) {
     float* out = &values[i * floats];
     faces[i] = hits[i].face;
     out[3] = hits[i].t;
     out[9] = colors[i].x;
     out[10] = colors[i].y;
     out[11] = colors[i].z;
-    if (!hits[i].hit())
-      continue;
+    if (!hits[i].hit()) continue;
     const Vec3f p = rays[i].origin + hits[i].t * rays[i].direction, n = normalize(hits[i].normal);
     out[0] = p.x;
     out[1] = p.y;
@@ -56,8 +52,7 @@ void writeExr(const std::string& path, ImageSize whole, const Crop& part, const 
     return reinterpret_cast<char*>(intptr_t(first) - (intptr_t(part.y0) * size.width + part.x0) * intptr_t(stride));
   };
   Imf::FrameBuffer frame;
-  for (int i = 0; i < floats; i++)
-  {
+  for (int i = 0; i < floats; i++) {
     header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
     frame.insert(names[i], Imf::Slice(Imf::FLOAT, origin(&values[i], sizeof(float) * floats), sizeof(float) * floats,
                                       sizeof(float) * floats * size_t(size.width)));

@@ -13,10 +13,7 @@ namespace cbvh {
 
 constexpr int labelHeight = 9, labelAdvance = 6; // of a character, in dots; two rows are below the baseline
 
-inline int labelWidth(const std::string& text)
-{
-  return int(text.size()) * labelAdvance - 1;
-}
+inline int labelWidth(const std::string& text) { return int(text.size()) * labelAdvance - 1; }
 
 /* Writes black text with its upper left corner at (x,y). A dot has scale x scale pixels; dots outside of the image are
  * left out. Letters of a to z that no label contains, and other characters, are blank. */

@@ -19,8 +19,7 @@ namespace cbvh {
 /* Position of sample i, in pixels from the center of the pixel. Sample 0 is the center. */
 Vec2f sampleOffset(int i);
 
-class SampledPicture
-{
+class SampledPicture {
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 

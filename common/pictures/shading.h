@@ -11,15 +11,13 @@
 
 namespace cbvh {
 
-enum class HitColors
-{
+enum class HitColors {
   Neutral, // gray from both sides
   Sides,   // magenta if the normal points away from the viewer
 };
 
 /* Two lights and a sky. The geometric normal is flipped towards the viewer if necessary. */
-class HitShader
-{
+class HitShader {
 public:
   /* `middle` is the unit direction through the middle of the picture. */
   HitShader(Vec3f middle, Vec3f up, HitColors colors = HitColors::Neutral);

@@ -20,8 +20,7 @@
 
 namespace cbvh {
 
-struct ComparedScenes
-{
+struct ComparedScenes {
   std::vector<std::string> scenes{"trex", "frog", "cube"};
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
@@ -29,25 +28,30 @@ struct ComparedScenes
   ImageSize size{512, 512}; // of the picture
   std::string isa;
 
-  void addOptions(CLI::App& app)
-  {
+  void addOptions(CLI::App& app) {
     app.add_option("--scene", scenes, "comma-separated list of " + listOfScenes())
-      ->type_name("LIST")->delimiter(',')->capture_default_str();
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->capture_default_str();
     app.add_option("--level", level, "tessellation level L: each face has 2^L x 2^L quads")
-      ->type_name("L")->capture_default_str();
+        ->type_name("L")
+        ->capture_default_str();
     app.add_option("--repeat", repeat, "number of runs, whose median is reported")
-      ->type_name("N")->check(countRange(1))->capture_default_str();
-    app.add_option_function<std::string>("--size", [this](const std::string& text) { size = parseImageSize(text); },
-                                         "size of the picture whose rays are traced")
-      ->type_name("WxH")->default_str("512x512");
+        ->type_name("N")
+        ->check(countRange(1))
+        ->capture_default_str();
+    app.add_option_function<std::string>(
+           "--size", [this](const std::string& text) { size = parseImageSize(text); },
+           "size of the picture whose rays are traced")
+        ->type_name("WxH")
+        ->default_str("512x512");
     addIsaOption(app, isa);
     addMapOptions(app, cage);
     app.add_option("--cage", cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
   }
 
   /* Throws Error. */
-  void validate() const
-  {
+  void validate() const {
     BuildSettings settings;
     settings.level = level;
     settings.isa = isa;
@@ -56,10 +60,8 @@ struct ComparedScenes
 
   /* Prints warnings. Throws Error. */
   template<typename Measure>
-  void forEach(const Measure& measure) const
-  {
-    for (const std::string& scene : cage.cagePath.empty() ? scenes : std::vector<std::string>{""})
-    {
+  void forEach(const Measure& measure) const {
+    for (const std::string& scene : cage.cagePath.empty() ? scenes : std::vector<std::string>{""}) {
       SceneSettings settings = cage;
       settings.scene = scene;
       std::string warnings;

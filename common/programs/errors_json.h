@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-inline nlohmann::json summaryJson(const ErrorSummary& e)
-{
+inline nlohmann::json summaryJson(const ErrorSummary& e) {
   return {{"rmse_pixels", e.rmse},
           {"median_pixels", e.median},
           {"p99_pixels", e.p99},
@@ -26,8 +25,7 @@ inline nlohmann::json summaryJson(const ErrorSummary& e)
 }
 
 /* Errors against a mesh. At the mesh's level: of compression alone. */
-inline nlohmann::json errorsJson(const HitErrors& e)
-{
+inline nlohmann::json errorsJson(const HitErrors& e) {
   nlohmann::json json = summaryJson(e);
   json.update({{"rays", e.rays},
                {"both_hit", e.bothHit},
@@ -40,8 +38,7 @@ inline nlohmann::json errorsJson(const HitErrors& e)
 }
 
 /* Errors against the true surface: tessellation and compression. */
-inline nlohmann::json errorsJson(const TrueErrors& e)
-{
+inline nlohmann::json errorsJson(const TrueErrors& e) {
   nlohmann::json json = summaryJson(e);
   json.update({{"hits", e.hits},
                {"rmse_world", e.rmseWorld},
@@ -53,8 +50,7 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
   return json;
 }
 
-inline nlohmann::json heightBinsJson(const HeightBins& b)
-{
+inline nlohmann::json heightBinsJson(const HeightBins& b) {
   return {{"hits", b.hits},
           {"quantiles_pixels", b.quantiles},
           {"median_pixels", b.median},

@@ -11,8 +11,7 @@
 namespace cbvh {
 namespace {
 
-bool hasExtension(const char* extension, const std::string& path)
-{
+bool hasExtension(const char* extension, const std::string& path) {
   return lowerCase(std::filesystem::path(path).extension().string()) == extension;
 }
 
@@ -20,8 +19,7 @@ bool hasExtension(const char* extension, const std::string& path)
 bool isCage(const std::string& path) { return hasExtension(".obj", path) || isPipe(path); }
 bool isSavedScene(const std::string& path) { return hasExtension(".cbvh", path); }
 
-void resetMap(SceneSettings& settings)
-{
+void resetMap(SceneSettings& settings) {
   const SceneSettings fresh;
   settings.mapValues = fresh.mapValues;
   settings.midLevel = fresh.midLevel;
@@ -33,13 +31,10 @@ void resetMap(SceneSettings& settings)
 
 } // namespace
 
-SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current)
-{
+SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current) {
   std::string cage, height;
-  for (const std::string& path : paths)
-  {
-    if (isSavedScene(path))
-    {
+  for (const std::string& path : paths) {
+    if (isSavedScene(path)) {
       if (paths.size() > 1)
         throw Error(path + ": a file of compressed surfaces must be opened alone: expected one file");
       SceneSettings saved;
@@ -53,8 +48,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     slot = path;
   }
   SceneSettings opened = current;
-  if (!cage.empty())
-  {
+  if (!cage.empty()) {
     opened.cagePath = cage;
     opened.meshPath.clear();
     opened.savedPath.clear();
@@ -63,24 +57,20 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     opened.mapping.clear();
     opened.count.reset();
     opened.cageEnds.clear();
-    if (height.empty() || !current.scene.empty())
-      resetMap(opened);
-  }
-  else if (current.cagePath.empty())
+    if (height.empty() || !current.scene.empty()) resetMap(opened);
+  } else if (current.cagePath.empty())
     throw Error(height + ": a height map needs a cage: expected an OBJ first" +
                 (current.scene.empty() ? "" : "; " + current.scene + " has its own heights"));
   opened.heightPath = height;
   return opened;
 }
 
-void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene)
-{
+void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene) {
   SceneSettings named;
   named.cagePath = scene.cagePath; // a height map alone belongs to this cage
-  if (!files.empty())
-    named = openFiles(files, named);
+  if (!files.empty()) named = openFiles(files, named);
   const bool hasModel =
-    !scene.scene.empty() || !scene.cagePath.empty() || !scene.meshPath.empty() || !scene.heightPath.empty();
+      !scene.scene.empty() || !scene.cagePath.empty() || !scene.meshPath.empty() || !scene.heightPath.empty();
   if (!named.savedPath.empty() && hasModel)
     throw Error(named.savedPath + ": a file of compressed surfaces must be opened alone: expected no model options");
   scene.savedPath = named.savedPath;
@@ -88,10 +78,8 @@ void applyFileArguments(const std::vector<std::string>& files, SceneSettings& sc
     throw Error(named.cagePath + ": --scene or --cage names another model: expected only one");
   if (!named.heightPath.empty() && !scene.heightPath.empty())
     throw Error(named.heightPath + ": --height names another height map: expected only one");
-  if (named.savedPath.empty())
-    scene.cagePath = named.cagePath;
-  if (!named.heightPath.empty())
-    scene.heightPath = named.heightPath;
+  if (named.savedPath.empty()) scene.cagePath = named.cagePath;
+  if (!named.heightPath.empty()) scene.heightPath = named.heightPath;
 }
 
 } // namespace cbvh

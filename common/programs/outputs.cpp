@@ -16,36 +16,25 @@ namespace {
 namespace fs = std::filesystem;
 
 /* Empty for devices and pipes, which outputs may share. */
-std::string canonicalPath(const std::string& path)
-{
+std::string canonicalPath(const std::string& path) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    return "";
+  if (fs::exists(status) && !fs::is_regular_file(status)) return "";
   return fs::weakly_canonical(fs::absolute(path, code), code).string();
 }
 
 } // namespace
 
-void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs)
-{
+void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs) {
   for (const std::string& path : {model.cagePath, model.meshPath, model.savedPath, model.heightPath})
     recordInputFile(path);
-  for (const std::string& path : model.cageEnds)
-    recordInputFile(path);
+  for (const std::string& path : model.cageEnds) recordInputFile(path);
   std::map<std::string, std::string> optionOf;
-  for (const Output& output : outputs)
-  {
-    if (output.path.empty())
-      continue;
-    try
-    {
+  for (const Output& output : outputs) {
+    if (output.path.empty()) continue;
+    try {
       requireNoInputFile(output.path);
-    }
-    catch (const Error& e)
-    {
-      throw Error(output.option + " " + e.what());
-    }
+    } catch (const Error& e) { throw Error(output.option + " " + e.what()); }
     const std::string canonical = canonicalPath(output.path);
     const auto [other, isNew] = optionOf.try_emplace(canonical, output.option);
     if (!isNew && !canonical.empty())
@@ -53,10 +42,8 @@ void validateOutputs(const SceneSettings& model, const std::vector<Output>& outp
   }
 }
 
-void requireFolders(const std::vector<Output>& outputs)
-{
-  for (const Output& output : outputs)
-  {
+void requireFolders(const std::vector<Output>& outputs) {
+  for (const Output& output : outputs) {
     const fs::path folder = fs::path(output.path).parent_path();
     std::error_code ignored;
     if (!folder.empty() && !fs::is_directory(folder, ignored))
@@ -65,19 +52,11 @@ void requireFolders(const std::vector<Output>& outputs)
   }
 }
 
-void requireWritable(const std::vector<Output>& outputs)
-{
+void requireWritable(const std::vector<Output>& outputs) {
   requireFolders(outputs);
-  for (const Output& output : outputs)
-    try
-    {
-      if (!output.path.empty())
-        requireWritable(output.path);
-    }
-    catch (const Error& e)
-    {
-      throw Error(output.option + " " + e.what());
-    }
+  for (const Output& output : outputs) try {
+      if (!output.path.empty()) requireWritable(output.path);
+    } catch (const Error& e) { throw Error(output.option + " " + e.what()); }
 }
 
 } // namespace cbvh

@@ -10,8 +10,7 @@
 
 namespace cbvh {
 
-struct Output
-{
+struct Output {
   std::string option, path;
 };
 

@@ -9,8 +9,7 @@
 namespace cbvh {
 
 /* Prints warnings on stderr. */
-inline Model loadProgramScene(const std::string& program, const SceneSettings& settings)
-{
+inline Model loadProgramScene(const std::string& program, const SceneSettings& settings) {
   std::string warnings;
   Model model = loadScene(settings, warnings);
   printWarnings(program, warnings);

@@ -12,29 +12,19 @@
 
 namespace cbvh {
 
-int runProgram(const char* name, const std::function<int()>& run)
-{
+int runProgram(const char* name, const std::function<int()>& run) {
   std::signal(SIGXFSZ, SIG_IGN); // writes beyond a file size limit then fail
-  try
-  {
+  try {
     const int status = run();
     writeStandardOutput(""); // reports errors of unchecked output
     return status;
-  }
-  catch (const Canceled&)
-  {
+  } catch (const Canceled&) {
     std::fprintf(stderr, "%s: canceled\n", name);
     removeEmptyOutputFolders();
     return 130;
-  }
-  catch (const std::bad_alloc&)
-  {
+  } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "%s: out of memory\n", name);
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "%s: %s\n", name, e.what());
-  }
+  } catch (const std::exception& e) { std::fprintf(stderr, "%s: %s\n", name, e.what()); }
   removeEmptyOutputFolders();
   return 1;
 }

@@ -15,15 +15,13 @@
 
 namespace cbvh {
 
-struct LimitPoint
-{
+struct LimitPoint {
   unsigned face;
   float u, v;
   Vec3f position;
 };
 
-struct Bake
-{
+struct Bake {
   std::string name;
   unsigned threads;
   std::function<float(const LimitPoint&)> height; // must be thread-safe

@@ -12,8 +12,7 @@
 namespace cbvh {
 
 /* Cross-section of a tube: an ellipse with half axes a and b, counterclockwise as seen from the next station. */
-struct Station
-{
+struct Station {
   Vec3f center, a, b;
 };
 
@@ -23,8 +22,7 @@ void appendTube(Cage& cage, const std::vector<Station>& stations, int sides);
 
 /* Tapers to a point and bends towards a direction. `bend` is the tip's distance from the straight line, in lengths;
  * `flatness` is the width across the plane of the bend divided by the width in it. */
-struct Horn
-{
+struct Horn {
   Vec3f base, direction, bendTowards;
   float length, radius;
   float bend = 0.0f, flatness = 1.0f;

@@ -28,8 +28,7 @@
 namespace cbvh {
 namespace {
 
-DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
-{
+DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage) {
   DisplacementMap map;
   map.path = settings.heightPath;
   map.values = settings.mapValues;
@@ -41,33 +40,27 @@ DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
   return map;
 }
 
-void chooseUp(Model& model, const SceneSettings& settings, const std::string& path, std::string& warnings)
-{
+void chooseUp(Model& model, const SceneSettings& settings, const std::string& path, std::string& warnings) {
   model.isUpGuessed = settings.up.empty() || settings.up == "auto";
-  if (model.isUpGuessed)
-  {
+  if (model.isUpGuessed) {
     const UpGuess guess = guessUp(model.cage);
     model.up = guess.axis;
     if (!guess.reason.empty())
       warnings += path + ": " + guess.axis + " is assumed to be the up axis, because " + guess.reason + "; " +
                   settingName("up") + " y selects y\n";
-  }
-  else
-    model.up = settings.up;
+  } else model.up = settings.up;
   model.view = rotatedFromY(model.view, model.up);
 }
 
 /* Records the file as an input of the run. */
-Cage readInput(const std::string& path, std::string& warnings)
-{
+Cage readInput(const std::string& path, std::string& warnings) {
   Cage cage = readObj(path, warnings);
   recordInputFile(path);
   return cage;
 }
 
 std::vector<Vec3f> readPose(const std::string& path, const Cage& cage, const std::string& cagePath,
-                            std::string& warnings)
-{
+                            std::string& warnings) {
   Cage end = readInput(path, warnings);
   if (end.positions.size() != cage.positions.size() || end.faceIndices != cage.faceIndices)
     throw Error(path + ": the file has " + std::to_string(end.positions.size()) + " vertices and " +
@@ -77,16 +70,14 @@ std::vector<Vec3f> readPose(const std::string& path, const Cage& cage, const std
   return std::move(end.positions);
 }
 
-MotionSettings motionOf(const SceneSettings& settings)
-{
+MotionSettings motionOf(const SceneSettings& settings) {
   MotionSettings motion;
   motion.name = settings.motion;
   motion.steps = settings.steps.value_or(motion.steps);
   return motion;
 }
 
-Model loadCage(const SceneSettings& settings, std::string& warnings)
-{
+Model loadCage(const SceneSettings& settings, std::string& warnings) {
   Model model;
   model.cage = readInput(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
@@ -94,16 +85,14 @@ Model loadCage(const SceneSettings& settings, std::string& warnings)
     model.poses.push_back(readPose(path, model.cage, settings.cagePath, warnings));
   validateCage(model.cage, warnings);
   chooseUp(model, settings, settings.cagePath, warnings);
-  if (!settings.heightPath.empty())
-  {
+  if (!settings.heightPath.empty()) {
     model.displacement = displaceByMap(model.cage, mapOf(settings, model.cage), warnings);
     recordMapFiles(model.cage, settings.heightPath);
   }
   return model;
 }
 
-Model loadMesh(const SceneSettings& settings, std::string& warnings)
-{
+Model loadMesh(const SceneSettings& settings, std::string& warnings) {
   Model model;
   model.isMesh = true;
   model.cage = readInput(settings.meshPath, warnings);
@@ -114,8 +103,7 @@ Model loadMesh(const SceneSettings& settings, std::string& warnings)
   return model;
 }
 
-TrexSettings trexSettings(const SceneSettings& s)
-{
+TrexSettings trexSettings(const SceneSettings& s) {
   TrexSettings trex;
   trex.amplitude = *s.amplitude * (s.rough ? trexRoughFactor : 1.0f);
   trex.mapFolder = s.mapFolder.empty() ? userCacheFolder() : s.mapFolder;
@@ -124,32 +112,29 @@ TrexSettings trexSettings(const SceneSettings& s)
   return trex;
 }
 
-struct SceneEntry
-{
+struct SceneEntry {
   const char* name;
   float amplitude;                     // default
   Model (*make)(const SceneSettings&); // requires an amplitude
 };
 
 const SceneEntry scenes[] = {
-  {"cube", cubeAmplitude, [](const SceneSettings& s) { return makeCube(*s.amplitude); }},
-  {"frog", frogAmplitude, [](const SceneSettings& s) { return makeFrog(*s.amplitude, s.threads); }},
-  {"herd", trexAmplitude,
-   [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
-  {"knee", kneeAmplitude, [](const SceneSettings& s) { return makeKnee(*s.amplitude, s.threads); }},
-  {"scythe", scytheAmplitude, [](const SceneSettings& s) { return makeScythe(*s.amplitude, s.threads); }},
-  {"trex", trexAmplitude, [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
+    {"cube", cubeAmplitude, [](const SceneSettings& s) { return makeCube(*s.amplitude); }},
+    {"frog", frogAmplitude, [](const SceneSettings& s) { return makeFrog(*s.amplitude, s.threads); }},
+    {"herd", trexAmplitude,
+     [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
+    {"knee", kneeAmplitude, [](const SceneSettings& s) { return makeKnee(*s.amplitude, s.threads); }},
+    {"scythe", scytheAmplitude, [](const SceneSettings& s) { return makeScythe(*s.amplitude, s.threads); }},
+    {"trex", trexAmplitude, [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
 };
 
-const SceneEntry* findScene(const std::string& name)
-{
+const SceneEntry* findScene(const std::string& name) {
   const auto found =
-    std::find_if(std::begin(scenes), std::end(scenes), [&](const SceneEntry& s) { return name == s.name; });
+      std::find_if(std::begin(scenes), std::end(scenes), [&](const SceneEntry& s) { return name == s.name; });
   return found == std::end(scenes) ? nullptr : found;
 }
 
-void validateMap(const SceneSettings& s)
-{
+void validateMap(const SceneSettings& s) {
   const bool isRepeated = s.repeat.x != 1.0f || s.repeat.y != 1.0f;
   const std::pair<std::string, bool> mapOptions[] = {{settingName("amplitude"), s.amplitude && !s.cagePath.empty()},
                                                      {settingName("height-scale"), s.mapScale.has_value()},
@@ -175,13 +160,11 @@ void validateMap(const SceneSettings& s)
 } // namespace
 
 void validateScale(const std::optional<float>& amplitude, const std::optional<float>& mapScale,
-                   const std::optional<float>& midLevel, const Cage& cage)
-{
+                   const std::optional<float>& midLevel, const Cage& cage) {
   const float largest = 1e17f; // Embree's limit is 1.8e18; heights and --rough can exceed the scale several times
   const float scale = mapScale ? *mapScale : amplitude.value_or(0.0f);
   const float unit = mapScale ? 1.0f : cage.bounds().diagonal();
-  if (unit > largest)
-    return;
+  if (unit > largest) return;
   if (!(std::fabs(scale) * unit <= largest))
     throw Error(settingName(mapScale ? "height-scale" : "amplitude") + " " + shortNumber(scale) +
                 " is too large: expected at most " + shortNumber(largest / unit) + " for this cage");
@@ -191,31 +174,26 @@ void validateScale(const std::optional<float>& amplitude, const std::optional<fl
                 shortNumber(highest) + " for this cage and scale");
 }
 
-const std::vector<std::string>& sceneNames()
-{
+const std::vector<std::string>& sceneNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (const SceneEntry& entry : scenes)
-      all.push_back(entry.name);
+    for (const SceneEntry& entry : scenes) all.push_back(entry.name);
     return all;
   }();
   return names;
 }
 
-std::string listOfScenes(const std::string& last)
-{
+std::string listOfScenes(const std::string& last) {
   std::string text;
   const auto& names = sceneNames();
-  for (size_t i = 0; i < names.size(); i++)
-    text += (i == 0 ? "" : i + 1 == names.size() ? last : ", ") + names[i];
+  for (size_t i = 0; i < names.size(); i++) text += (i == 0 ? "" : i + 1 == names.size() ? last : ", ") + names[i];
   return text;
 }
 
-void validateScene(const SceneSettings& s)
-{
+void validateScene(const SceneSettings& s) {
   if (!s.savedPath.empty())
     throw Error(s.savedPath + ": a file of compressed surfaces contains no model: expected a cage, or use cbvh_render "
-                "or cbvh_viewer, which show such files");
+                              "or cbvh_viewer, which show such files");
   if (int(!s.scene.empty()) + int(!s.cagePath.empty()) + int(!s.meshPath.empty()) != 1)
     throw Error("expected one of " + settingName("scene") + " NAME (" + listOfScenes(" or ") + "), " +
                 settingName("cage") + " FILE and " + settingName("mesh") + " FILE");
@@ -227,14 +205,12 @@ void validateScene(const SceneSettings& s)
     throw Error(settingName("height") + " needs " + settingName("cage") +
                 ": generated scenes have their own displacement");
   const bool isTrex = s.scene == "trex" || s.scene == "herd";
-  if (s.rough && !isTrex)
-    throw Error(settingName("rough") + " needs " + settingName("scene") + " trex or herd");
+  if (s.rough && !isTrex) throw Error(settingName("rough") + " needs " + settingName("scene") + " trex or herd");
   if (!s.mapping.empty() && !isTrex)
     throw Error(settingName("mapping") + " needs " + settingName("scene") + " trex or herd");
   if (!s.mapping.empty() && s.mapping != "faces" && s.mapping != "atlas")
     throw Error("unknown " + settingName("mapping") + " '" + s.mapping + "': expected faces or atlas");
-  if (s.count && s.scene != "herd")
-    throw Error(settingName("count") + " needs " + settingName("scene") + " herd");
+  if (s.count && s.scene != "herd") throw Error(settingName("count") + " needs " + settingName("scene") + " herd");
   if (s.count && (*s.count < 1 || *s.count > maxHerdCount))
     throw Error(settingName("count") + " " + std::to_string(*s.count) + " is out of range: expected 1 to " +
                 std::to_string(maxHerdCount));
@@ -250,44 +226,32 @@ void validateScene(const SceneSettings& s)
                 " both set the motion: expected one of them");
   if (!s.motion.empty() && !s.meshPath.empty())
     throw Error(settingName("motion") + " needs a cage or a generated scene: meshes do not move");
-  if (s.steps && s.motion.empty())
-    throw Error(settingName("steps") + " needs " + settingName("motion"));
-  if (!s.motion.empty())
-    validateMotion(motionOf(s));
+  if (s.steps && s.motion.empty()) throw Error(settingName("steps") + " needs " + settingName("motion"));
+  if (!s.motion.empty()) validateMotion(motionOf(s));
   validateMap(s);
 }
 
-SceneSettings withDefaultAmplitude(SceneSettings s)
-{
-  if (const SceneEntry* const scene = findScene(s.scene))
-    s.amplitude = s.amplitude.value_or(scene->amplitude);
-  else if (!s.heightPath.empty() && !s.amplitude && !s.mapScale)
-  {
-    if (s.mapValues == MapValues::Heights)
-      s.amplitude = defaultAmplitude;
-    else
-      s.mapScale = 1.0f;
+SceneSettings withDefaultAmplitude(SceneSettings s) {
+  if (const SceneEntry* const scene = findScene(s.scene)) s.amplitude = s.amplitude.value_or(scene->amplitude);
+  else if (!s.heightPath.empty() && !s.amplitude && !s.mapScale) {
+    if (s.mapValues == MapValues::Heights) s.amplitude = defaultAmplitude;
+    else s.mapScale = 1.0f;
   }
   return s;
 }
 
-Model loadScene(const SceneSettings& given, std::string& warnings)
-{
+Model loadScene(const SceneSettings& given, std::string& warnings) {
   validateScene(given);
   const SceneSettings settings = withDefaultAmplitude(given);
-  if (!settings.meshPath.empty())
-    return loadMesh(settings, warnings);
+  if (!settings.meshPath.empty()) return loadMesh(settings, warnings);
   Model model;
-  if (settings.scene.empty())
-    model = loadCage(settings, warnings);
-  else
-  {
+  if (settings.scene.empty()) model = loadCage(settings, warnings);
+  else {
     model = findScene(settings.scene)->make(settings);
     validateCage(model.cage, warnings);
   }
   validateScale(settings.amplitude, settings.mapScale, settings.midLevel, model.cage);
-  if (!settings.motion.empty())
-    addMotion(model, motionOf(settings));
+  if (!settings.motion.empty()) addMotion(model, motionOf(settings));
   return model;
 }
 

@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-struct SceneSettings
-{
+struct SceneSettings {
   std::string scene;      // one of sceneNames(); empty for a cage or a mesh
   std::string cagePath;   // OBJ
   std::string meshPath;   // OBJ, traced without subdivision
@@ -24,13 +23,13 @@ struct SceneSettings
   std::string channel;
   Vec2f repeat{1, 1};
   std::optional<TextureWrap> wrap;
-  std::optional<float> mapScale;  // world units per unit of the map's values; excludes `amplitude`
-  std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal; default: the scene's
-  bool rough = false;             // trex and herd: five times the amplitude
-  std::string mapping;            // trex and herd: "faces" (the default) or "atlas"
-  std::optional<int> count;       // herd: copies
-  std::string mapFolder;          // for generated height maps; empty: the user's cache
-  int threads = 0;                // for generating maps, 0 for all
+  std::optional<float> mapScale;     // world units per unit of the map's values; excludes `amplitude`
+  std::optional<float> amplitude;    // fraction of the cage's bounding-box diagonal; default: the scene's
+  bool rough = false;                // trex and herd: five times the amplitude
+  std::string mapping;               // trex and herd: "faces" (the default) or "atlas"
+  std::optional<int> count;          // herd: copies
+  std::string mapFolder;             // for generated height maps; empty: the user's cache
+  int threads = 0;                   // for generating maps, 0 for all
   std::vector<std::string> cageEnds; // OBJ, at later time steps
   std::string motion;                // one of motionNames(), excludes cageEnds; empty: none
   std::optional<int> steps;          // time steps of `motion`

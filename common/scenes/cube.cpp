@@ -7,23 +7,19 @@ namespace cbvh {
 namespace {
 
 /* 3 x 3 spikes, flat at the borders of a face. */
-class Spikes : public Displacement
-{
+class Spikes : public Displacement {
 public:
   explicit Spikes(float height) : height(height) {}
 
-  void offsets(const SurfacePoints& points, float* out) const override
-  {
-    for (size_t i = 0; i < points.n; i++)
-    {
+  void offsets(const SurfacePoints& points, float* out) const override {
+    for (size_t i = 0; i < points.n; i++) {
       const float s = wave(points.u[i]) * wave(points.v[i]);
       out[i] = height * s * s * s;
     }
   }
 
 private:
-  static float wave(float x)
-  {
+  static float wave(float x) {
     const float s = std::sin(3.0f * float(M_PI) * x);
     return s * s;
   }
@@ -33,8 +29,7 @@ private:
 
 } // namespace
 
-Model makeCube(float amplitude)
-{
+Model makeCube(float amplitude) {
   Model model;
   model.name = "cube";
   model.cage.name = "cube";

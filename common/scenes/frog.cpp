@@ -13,42 +13,37 @@
 namespace cbvh {
 namespace {
 
-std::vector<Capsule> frogBody()
-{
+std::vector<Capsule> frogBody() {
   std::vector<Capsule> body;
-  for (float side : {-1.0f, 1.0f})
-  {
+  for (float side : {-1.0f, 1.0f}) {
     const auto add = [&](Vec3f a, Vec3f b, float ra, float rb, float smooth, bool carve = false) {
       body.push_back({{a.x, a.y, a.z * side}, {b.x, b.y, b.z * side}, ra, rb, smooth, carve});
     };
-    add({-0.9f, 0.85f, 0.3f}, {0.5f, 1.15f, 0.4f}, 0.75f, 0.8f, 0.3f);          // half of the trunk
-    add({0.6f, 1.35f, 0.35f}, {1.35f, 1.4f, 0.3f}, 0.72f, 0.5f, 0.3f);          // head
-    add({0.95f, 1.98f, 0.56f}, {1.0f, 2.0f, 0.58f}, 0.36f, 0.36f, 0.08f);       // eye
-    add({-0.9f, 0.75f, 0.95f}, {0.15f, 0.6f, 1.45f}, 0.48f, 0.32f, 0.2f);       // thigh, folded
-    add({0.15f, 0.55f, 1.45f}, {-0.85f, 0.25f, 1.5f}, 0.3f, 0.22f, 0.1f);       // shank
-    add({-0.85f, 0.2f, 1.5f}, {0.1f, 0.1f, 1.75f}, 0.22f, 0.19f, 0.08f);        // foot
-    add({0.75f, 0.8f, 0.85f}, {0.85f, 0.45f, 1.15f}, 0.32f, 0.25f, 0.15f);      // arm
+    add({-0.9f, 0.85f, 0.3f}, {0.5f, 1.15f, 0.4f}, 0.75f, 0.8f, 0.3f);     // half of the trunk
+    add({0.6f, 1.35f, 0.35f}, {1.35f, 1.4f, 0.3f}, 0.72f, 0.5f, 0.3f);     // head
+    add({0.95f, 1.98f, 0.56f}, {1.0f, 2.0f, 0.58f}, 0.36f, 0.36f, 0.08f);  // eye
+    add({-0.9f, 0.75f, 0.95f}, {0.15f, 0.6f, 1.45f}, 0.48f, 0.32f, 0.2f);  // thigh, folded
+    add({0.15f, 0.55f, 1.45f}, {-0.85f, 0.25f, 1.5f}, 0.3f, 0.22f, 0.1f);  // shank
+    add({-0.85f, 0.2f, 1.5f}, {0.1f, 0.1f, 1.75f}, 0.22f, 0.19f, 0.08f);   // foot
+    add({0.75f, 0.8f, 0.85f}, {0.85f, 0.45f, 1.15f}, 0.32f, 0.25f, 0.15f); // arm
     add({0.85f, 0.45f, 1.15f}, {1.15f, 0.12f, 1.1f}, 0.24f, 0.2f, 0.1f);
-    for (float spread : {-0.42f, 0.0f, 0.42f})
-    {
+    for (float spread : {-0.42f, 0.0f, 0.42f}) {
       add({0.1f, 0.1f, 1.75f}, {0.8f, 0.08f, 1.75f + spread}, 0.19f, 0.17f, 0.05f);
       add({1.15f, 0.12f, 1.1f}, {1.75f, 0.08f, 1.1f + spread}, 0.19f, 0.17f, 0.05f);
     }
-    add({2.05f, 1.15f, 0.0f}, {1.1f, 1.12f, 1.1f}, 0.13f, 0.13f, 0.05f, true);    // mouth
+    add({2.05f, 1.15f, 0.0f}, {1.1f, 1.12f, 1.1f}, 0.13f, 0.13f, 0.05f, true); // mouth
   }
   return body;
 }
 
-float spike(float x)
-{
+float spike(float x) {
   const float s = std::sin(float(M_PI) * x);
   return s * s;
 }
 
 } // namespace
 
-Model makeFrog(float amplitude, int threads)
-{
+Model makeFrog(float amplitude, int threads) {
   constexpr float voxel = 0.24f;
   Model model;
   model.name = "frog";
@@ -58,11 +53,9 @@ Model makeFrog(float amplitude, int threads)
   /* Spikes are longest along the back. Below, on feet and on eyes there are none. */
   std::vector<float> lengths;
   const Cage& cage = model.cage;
-  for (unsigned face = 0; face < cage.numFaces(); face++)
-  {
+  for (unsigned face = 0; face < cage.numFaces(); face++) {
     Vec3f p[4];
-    for (unsigned i = 0; i < 4; i++)
-      p[i] = cage.positions[cage.faceIndices[4 * face + i]];
+    for (unsigned i = 0; i < 4; i++) p[i] = cage.positions[cage.faceIndices[4 * face + i]];
     const Vec3f center = 0.25f * (p[0] + p[1] + p[2] + p[3]);
     const Vec3f normal = normalize(cross(p[2] - p[0], p[3] - p[1]));
     const uint32_t random = hashCell(int(face), 3, 5, 7);
@@ -77,7 +70,7 @@ Model makeFrog(float amplitude, int threads)
     return neutralHeight + warts + lengths[p.face] * s * s * s * s * s;
   };
   model.displacement =
-    displaceByBake(cage, 128, amplitude * cage.bounds().diagonal(), {"frog: spikes", threadCount(threads), height});
+      displaceByBake(cage, 128, amplitude * cage.bounds().diagonal(), {"frog: spikes", threadCount(threads), height});
   model.view.direction = {-0.75f, -0.42f, -0.72f};
   model.view.closePoint = {0.52f, 0.3f};
   model.view.closeDistance = 0.3f;

@@ -9,15 +9,13 @@ namespace cbvh {
 
 /* Offset rows with some disorder; all walk in about the same direction, each in its own pose. A copy is about 11
  * long and 4 wide. */
-Model makeHerd(const TrexSettings& settings, int count)
-{
+Model makeHerd(const TrexSettings& settings, int count) {
   constexpr float spacingX = 10.5f, spacingZ = 6.0f;
   Model model = makeTrex(settings);
   model.name = "herd";
   model.copies.clear();
   const int perRow = std::max(1, int(std::lround(std::sqrt(float(count) * 1.4f))));
-  for (int i = 0; i < count; i++)
-  {
+  for (int i = 0; i < count; i++) {
     const int row = i / perRow, column = i % perRow;
     const auto random = [&](uint32_t seed) { return float(hashCell(i, 0, 0, seed) & 1023) / 1023.0f - 0.5f; };
     Placement copy;

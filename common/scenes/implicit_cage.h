@@ -15,8 +15,7 @@ namespace cbvh {
 
 /* The hull of two balls. `smooth` is the radius of the blend with earlier capsules in world units, 0 for a crease.
  * `carve` subtracts. */
-struct Capsule
-{
+struct Capsule {
   Vec3f a, b;
   float radiusA, radiusB;
   float smooth;

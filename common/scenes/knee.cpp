@@ -12,37 +12,34 @@
 namespace cbvh {
 namespace {
 
-struct Section
-{
+struct Section {
   float x, y, front, back, side; // center; half axes to the front, the back and along z
 };
 
 /* From hip to foot, with few sections at the bend. */
 constexpr Section sections[] = {
-  {-3.0f, 1.45f, 0.75f, 0.7f, 0.8f},   {-2.5f, 1.25f, 0.95f, 0.8f, 0.95f}, {-1.6f, 0.9f, 0.95f, 0.68f, 0.9f},
-  {-0.75f, 0.55f, 0.72f, 0.45f, 0.68f}, {-0.15f, 0.28f, 0.55f, 0.32f, 0.56f}, {0.12f, -0.1f, 0.55f, 0.3f, 0.56f},
-  {0.0f, -0.55f, 0.42f, 0.36f, 0.5f},  {-0.35f, -1.2f, 0.36f, 0.66f, 0.52f}, {-0.75f, -1.9f, 0.3f, 0.5f, 0.42f},
-  {-1.1f, -2.6f, 0.25f, 0.27f, 0.28f}, {-1.3f, -3.05f, 0.3f, 0.3f, 0.34f},  {-1.25f, -3.4f, 0.5f, 0.3f, 0.42f},
-  {-1.2f, -3.6f, 0.55f, 0.32f, 0.45f}};
+    {-3.0f, 1.45f, 0.75f, 0.7f, 0.8f},    {-2.5f, 1.25f, 0.95f, 0.8f, 0.95f},   {-1.6f, 0.9f, 0.95f, 0.68f, 0.9f},
+    {-0.75f, 0.55f, 0.72f, 0.45f, 0.68f}, {-0.15f, 0.28f, 0.55f, 0.32f, 0.56f}, {0.12f, -0.1f, 0.55f, 0.3f, 0.56f},
+    {0.0f, -0.55f, 0.42f, 0.36f, 0.5f},   {-0.35f, -1.2f, 0.36f, 0.66f, 0.52f}, {-0.75f, -1.9f, 0.3f, 0.5f, 0.42f},
+    {-1.1f, -2.6f, 0.25f, 0.27f, 0.28f},  {-1.3f, -3.05f, 0.3f, 0.3f, 0.34f},   {-1.25f, -3.4f, 0.5f, 0.3f, 0.42f},
+    {-1.2f, -3.6f, 0.55f, 0.32f, 0.45f}};
 
-float smoothstep(float a, float b, float x)
-{
+float smoothstep(float a, float b, float x) {
   const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
   return t * t * (3.0f - 2.0f * t);
 }
 
 /* A kneecap with plates, wrinkles at the bend, elsewhere muscles and skin. */
-float kneeHeight(Vec3f p)
-{
+float kneeHeight(Vec3f p) {
   const float near = std::exp(-dot(p - Vec3f{0.45f, 0.1f, 0}, p - Vec3f{0.45f, 0.1f, 0}) / 0.3f);
   const Vec3f noise{gradientNoise(2.0f * p, 1), gradientNoise(2.0f * p, 2), gradientNoise(2.0f * p, 3)};
   const Vec3f warped = p + 0.08f * noise;
   const CellNoise plate = cellNoise(3.4f * warped, 4);
   const float plates =
-    smoothstep(0.0f, 0.25f, plate.second - plate.nearest) * (1.0f - 0.5f * plate.nearest * plate.nearest);
+      smoothstep(0.0f, 0.25f, plate.second - plate.nearest) * (1.0f - 0.5f * plate.nearest * plate.nearest);
   const CellNoise cell = cellNoise(9.0f * warped, 5);
   const float scales =
-    smoothstep(0.0f, 0.35f, cell.second - cell.nearest) * (1.0f - 0.5f * cell.nearest * cell.nearest);
+      smoothstep(0.0f, 0.35f, cell.second - cell.nearest) * (1.0f - 0.5f * cell.nearest * cell.nearest);
   /* Around the inside of the bend. */
   const float angle = std::atan2(p.y + 0.5f, p.x + 1.0f);
   const float bend = std::exp(-(p.x * p.x + p.y * p.y) / 0.9f);
@@ -54,14 +51,12 @@ float kneeHeight(Vec3f p)
 
 } // namespace
 
-Model makeKnee(float amplitude, int threads)
-{
+Model makeKnee(float amplitude, int threads) {
   constexpr size_t n = sizeof(sections) / sizeof(sections[0]);
   Model model;
   model.name = "knee";
   std::vector<Station> stations;
-  for (size_t i = 0; i < n; i++)
-  {
+  for (size_t i = 0; i < n; i++) {
     const Section &s = sections[i], &before = sections[i ? i - 1 : 0], &after = sections[std::min(i + 1, n - 1)];
     const Vec3f tangent = normalize(Vec3f{after.x - before.x, after.y - before.y, 0});
     const Vec3f front = cross(Vec3f{0, 0, 1}, tangent); // towards +x on the way down

@@ -10,9 +10,8 @@
 
 namespace cbvh {
 
-struct MotionSettings
-{
-  std::string name;    // one of motionNames()
+struct MotionSettings {
+  std::string name;   // one of motionNames()
   int steps = 2;      // 2 to 129
   float degrees = 30; // from the first step to the last
 };

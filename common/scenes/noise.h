@@ -14,8 +14,7 @@
 
 namespace cbvh {
 
-inline uint32_t hashCell(int x, int y, int z, uint32_t seed)
-{
+inline uint32_t hashCell(int x, int y, int z, uint32_t seed) {
   uint32_t h = uint32_t(x) * 0x8da6b343u ^ uint32_t(y) * 0xd8163841u ^ uint32_t(z) * 0xcb1ab31fu ^ seed * 0x9e3779b9u;
   h ^= h >> 16;
   h *= 0x7feb352du;
@@ -26,23 +25,20 @@ inline uint32_t hashCell(int x, int y, int z, uint32_t seed)
 }
 
 /* std::floor is a function call without SSE4.1. */
-inline int floorToInt(float x)
-{
+inline int floorToInt(float x) {
   const int i = int(x);
   return i - (float(i) > x);
 }
 
 /* About -1 to 1, with one feature per unit. */
-inline float gradientNoise(Vec3f p, uint32_t seed)
-{
+inline float gradientNoise(Vec3f p, uint32_t seed) {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
   const float fx = float(ix), fy = float(iy), fz = float(iz);
   const Vec3f f{p.x - fx, p.y - fy, p.z - fz};
   auto fade = [](float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); };
   const float wx = fade(f.x), wy = fade(f.y), wz = fade(f.z);
   float corner[8];
-  for (int i = 0; i < 8; i++)
-  {
+  for (int i = 0; i < 8; i++) {
     const int dx = i & 1, dy = (i >> 1) & 1, dz = i >> 2;
     const uint32_t h = hashCell(ix + dx, iy + dy, iz + dz, seed);
     const Vec3f g{float(h & 1023) - 511.5f, float((h >> 10) & 1023) - 511.5f, float((h >> 20) & 1023) - 511.5f};
@@ -54,14 +50,12 @@ inline float gradientNoise(Vec3f p, uint32_t seed)
 }
 
 /* Distances to the nearest two scattered points, one point per unit cell, and the hash of the nearest point's cell. */
-struct CellNoise
-{
+struct CellNoise {
   float nearest, second;
   uint32_t id;
 };
 
-inline CellNoise cellNoise(Vec3f p, uint32_t seed)
-{
+inline CellNoise cellNoise(Vec3f p, uint32_t seed) {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
   const float fx = float(ix), fy = float(iy), fz = float(iz);
   /* Lower bounds of squared distances along one axis to the points in cells -1, 0 and 1. */
@@ -82,28 +76,21 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
   uint32_t id = 0;
   constexpr int order[3] = {0, -1, 1}; // the middle first, to skip most other cells
   for (int dz : order)
-    for (int dy : order)
-    {
-      if (mz[dz + 1] + my[dy + 1] >= second)
-        continue;
-      for (int dx : order)
-      {
-        if (mz[dz + 1] + my[dy + 1] + mx[dx + 1] >= second)
-          continue;
+    for (int dy : order) {
+      if (mz[dz + 1] + my[dy + 1] >= second) continue;
+      for (int dx : order) {
+        if (mz[dz + 1] + my[dy + 1] + mx[dx + 1] >= second) continue;
         const uint32_t h = hashCell(ix + dx, iy + dy, iz + dz, seed);
         constexpr float scale = (1.0f - 2.0f * margin) / 1024.0f;
         const Vec3f q{fx + float(dx) + margin + float(h & 1023) * scale,
                       fy + float(dy) + margin + float((h >> 10) & 1023) * scale,
                       fz + float(dz) + margin + float((h >> 20) & 1023) * scale};
         const float d = dot(q - p, q - p);
-        if (d < first)
-        {
+        if (d < first) {
           second = first;
           first = d;
           id = h;
-        }
-        else if (d < second)
-          second = d;
+        } else if (d < second) second = d;
       }
     }
   return {std::sqrt(first), std::sqrt(second), id};

@@ -18,20 +18,18 @@ namespace {
 constexpr int tileTexels = 64, chartTexels = 48;
 
 /* Changes with everything on which the texels depend. */
-std::string recipe(const Cage& cage, const char* mapping, int texels)
-{
+std::string recipe(const Cage& cage, const char* mapping, int texels) {
   return "trex skin " + std::to_string(trexSkinVersion) + ", " + mapping + " of " + std::to_string(texels) +
          " texels, cage " + fingerprint(cage);
 }
 
 } // namespace
 
-Model makeTrex(const TrexSettings& settings)
-{
+Model makeTrex(const TrexSettings& settings) {
   const bool faces = settings.mapping == TrexMapping::Faces;
   TrexCage trex = makeTrexCage();
   const std::string path =
-    (std::filesystem::path(settings.mapFolder) / (faces ? "trex_height.exr" : "trex_height_atlas.exr")).string();
+      (std::filesystem::path(settings.mapFolder) / (faces ? "trex_height.exr" : "trex_height_atlas.exr")).string();
   const std::string made = faces ? recipe(trex.cage, "tiles", tileTexels) : recipe(trex.cage, "charts", chartTexels);
   const Bake bake{"trex: skin", threadCount(settings.threads),
                   [&](const LimitPoint& p) { return trexHeight(trex.parts[p.face], p.position); }};
@@ -42,20 +40,14 @@ Model makeTrex(const TrexSettings& settings)
   const bool cached = HeightMap::recipeOf(path) == made;
   if (!cached)
     prepareOutputFolder(settings.mapFolder.empty() ? "." : settings.mapFolder); // fails before the work, not after it
-  if (faces)
-  {
+  if (faces) {
     const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);
     HeightMap map = cached ? HeightMap::read(path) : bakeTiles(trex.cage, atlas, bake);
-    if (!cached)
-      map.write(path, made);
+    if (!cached) map.write(path, made);
     model.displacement = displaceByAtlas(trex.cage, atlas, std::move(map), scale);
-  }
-  else
-  {
-    if (cached)
-      assignChartUVs(trex.cage, chartTexels);
-    else
-      bakeCharts(trex.cage, chartTexels, bake).write(path, made);
+  } else {
+    if (cached) assignChartUVs(trex.cage, chartTexels);
+    else bakeCharts(trex.cage, chartTexels, bake).write(path, made);
     DisplacementMap map;
     map.path = path;
     map.scale = scale;

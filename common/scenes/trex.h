@@ -15,16 +15,14 @@
 
 namespace cbvh {
 
-enum class TrexMapping
-{
+enum class TrexMapping {
   Faces, // as in Ptex, without texture coordinates
   Atlas, // charts of many faces, through texture coordinates
 };
 
 constexpr float trexAmplitude = 0.004f;
 
-struct TrexSettings
-{
+struct TrexSettings {
   float amplitude = trexAmplitude; // displacement between heights 0 and 1 as a fraction of the cage's diagonal
   TrexMapping mapping = TrexMapping::Faces;
   std::string mapFolder; // of the height map, an EXR

@@ -15,8 +15,7 @@ namespace cbvh {
 
 enum class TrexPart : uint8_t { Skin, Tooth, Claw, Eye, Lid, Tongue };
 
-struct TrexCage
-{
+struct TrexCage {
   Cage cage;
   std::vector<TrexPart> parts;
 };

@@ -9,37 +9,27 @@
 namespace cbvh {
 namespace {
 
-float smoothstep(float a, float b, float x)
-{
+float smoothstep(float a, float b, float x) {
   const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
   return t * t * (3.0f - 2.0f * t);
 }
 
-float bell(float x, float width)
-{
-  return std::exp(-(x * x) / (width * width));
-}
+float bell(float x, float width) { return std::exp(-(x * x) / (width * width)); }
 
 /* One scale per cell: a dome of height 1 surrounded by a groove of the given width. */
-float scale(const CellNoise& cell, float groove)
-{
+float scale(const CellNoise& cell, float groove) {
   const float dome = std::max(0.0f, 1.0f - 0.75f * cell.nearest * cell.nearest);
   return dome * smoothstep(0.0f, groove, cell.second - cell.nearest);
 }
 
 /* 0 in a groove, 1 between grooves. Grooves are where noise is near 0. */
-float creases(Vec3f p, float width, uint32_t seed)
-{
-  return smoothstep(0.0f, width, std::abs(gradientNoise(p, seed)));
-}
+float creases(Vec3f p, float width, uint32_t seed) { return smoothstep(0.0f, width, std::abs(gradientNoise(p, seed))); }
 
-struct Regions
-{
+struct Regions {
   float head, snout, neck, belly, legs, back;
 };
 
-Regions regionsAt(Vec3f p)
-{
+Regions regionsAt(Vec3f p) {
   Regions r;
   r.head = smoothstep(2.95f, 3.35f, p.x) * smoothstep(3.6f, 3.8f, p.y);
   r.snout = r.head * smoothstep(3.9f, 4.4f, p.x);
@@ -52,19 +42,15 @@ Regions regionsAt(Vec3f p)
 }
 
 /* Folds cross the axis of parts that bend: neck, trunk, tail and limbs. */
-float folds(Vec3f p, const Regions& r, float wobble)
-{
+float folds(Vec3f p, const Regions& r, float wobble) {
   const Vec3f q = p + 0.12f * Vec3f{wobble, -wobble, wobble};
   const float along = 0.65f * q.x + 0.75f * q.y, across = 0.75f * q.x - 0.65f * q.y;
   const float weight = 1.0f - 0.75f * r.head;
   const float neckShare = r.neck, limbShare = r.legs * (1.0f - r.neck), trunkShare = 1.0f - neckShare - limbShare;
   float mixed = 0.0f;
-  if (neckShare > 0.0f)
-    mixed += neckShare * creases({5.0f * along, 1.2f * across, 1.4f * q.z}, 0.3f, 21);
-  if (limbShare > 0.0f)
-    mixed += limbShare * creases({1.5f * q.x, 5.5f * q.y, 1.8f * q.z}, 0.3f, 23);
-  if (trunkShare > 0.0f)
-    mixed += trunkShare * creases({3.1f * q.x, 0.9f * q.y, 0.9f * q.z}, 0.3f, 22);
+  if (neckShare > 0.0f) mixed += neckShare * creases({5.0f * along, 1.2f * across, 1.4f * q.z}, 0.3f, 21);
+  if (limbShare > 0.0f) mixed += limbShare * creases({1.5f * q.x, 5.5f * q.y, 1.8f * q.z}, 0.3f, 23);
+  if (trunkShare > 0.0f) mixed += trunkShare * creases({3.1f * q.x, 0.9f * q.y, 0.9f * q.z}, 0.3f, 22);
   return 1.0f - weight * (1.0f - mixed);
 }
 
@@ -73,15 +59,13 @@ float aboveUpperLip(Vec3f p) { return p.y - (4.55f - 0.01f * (p.x - 3.6f)); }
 float aboveLowerLip(Vec3f p) { return p.y - (4.5f - 0.36f * (p.x - 3.35f)); }
 
 /* 1 in the mouth. */
-float inMouth(Vec3f p)
-{
+float inMouth(Vec3f p) {
   return smoothstep(3.5f, 3.7f, p.x) * smoothstep(0.02f, 0.07f, aboveLowerLip(p)) *
          smoothstep(-0.02f, -0.07f, aboveUpperLip(p));
 }
 
 /* Creases around the eye, the nostril, and grooves along the lips, as an offset to the height. */
-float headFeatures(Vec3f p)
-{
+float headFeatures(Vec3f p) {
   const Vec3f m{p.x, p.y, std::abs(p.z)};
   const float d = length(m - trexEye) + 0.012f * gradientNoise(9.0f * p, 14);
   const float eye = 0.14f * bell(d - 1.75f * trexEyeRadius, 0.02f) - 0.16f * bell(d - 2.05f * trexEyeRadius, 0.014f) +
@@ -94,29 +78,25 @@ float headFeatures(Vec3f p)
   return eye + nostril + lips;
 }
 
-float gums(Vec3f p)
-{
+float gums(Vec3f p) {
   return 0.06f * gradientNoise({16.0f * p.x, 5.0f * p.y, 5.0f * p.z}, 41) + 0.03f * gradientNoise(35.0f * p, 42);
 }
 
 /* Rings along the rim and small scales. */
-float lid(Vec3f p)
-{
+float lid(Vec3f p) {
   const Vec3f d = {p.x - trexEye.x, p.y - trexEye.y, std::abs(p.z) - trexEye.z};
   const float rings = std::sin(110.0f * std::abs(d.y) + 9.0f * d.x * d.x);
   return 0.42f + 0.1f * scale(cellNoise(60.0f * p, 43), 0.35f) + 0.05f * rings;
 }
 
-float skin(Vec3f p)
-{
+float skin(Vec3f p) {
   const Regions r = regionsAt(p);
   const float wobble = gradientNoise(0.9f * p, 11);
   const Vec3f coarse{gradientNoise(4.0f * p, 1), gradientNoise(4.0f * p, 2), gradientNoise(4.0f * p, 3)};
   const Vec3f warped = p + 0.025f * coarse;
 
   const float mouth = inMouth(p);
-  if (mouth == 1.0f)
-    return 0.42f + gums(p);
+  if (mouth == 1.0f) return 0.42f + gums(p);
 
   /* Scales of 3 cm, and of 2 cm on the head and where skin stretches. */
   const float share2 = smoothstep(0.35f, 0.5f, 0.45f * r.head + 0.35f * r.neck + 0.5f * coarse.y);
@@ -144,10 +124,8 @@ float skin(Vec3f p)
 
 } // namespace
 
-float trexHeight(TrexPart part, Vec3f p)
-{
-  switch (part)
-  {
+float trexHeight(TrexPart part, Vec3f p) {
+  switch (part) {
   case TrexPart::Skin: return skin(p);
   case TrexPart::Tooth: // faint rings, and a vein along
     return 0.5f + 0.012f * gradientNoise({14.0f * p.x, 60.0f * p.y, 14.0f * p.z}, 31) +
@@ -164,8 +142,7 @@ float trexHeight(TrexPart part, Vec3f p)
            0.01f * front * gradientNoise(60.0f * p, 35);
   }
   case TrexPart::Lid: return lid(p);
-  case TrexPart::Tongue:
-    return 0.5f + 0.12f * scale(cellNoise(38.0f * p, 36), 0.4f) - 0.2f * bell(p.z, 0.02f);
+  case TrexPart::Tongue: return 0.5f + 0.12f * scale(cellNoise(38.0f * p, 36), 0.4f) - 0.2f * bell(p.z, 0.02f);
   }
   return 0.5f;
 }

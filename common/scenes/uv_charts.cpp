@@ -13,8 +13,7 @@ namespace {
 
 constexpr int largestChart = 24; // faces per side
 
-struct Chart
-{
+struct Chart {
   std::vector<unsigned> faces;
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0; // cells; x1 and y1 are inclusive
   int width() const { return x1 - x0 + 1; }
@@ -23,17 +22,14 @@ struct Chart
 
 /* Grows charts breadth first. A face is added if its cell is free, and each corner of the cell is unused or already the
  * same vertex. So charts do not overlap, and adjacent texels are adjacent on the surface. */
-class Unfolding
-{
+class Unfolding {
 public:
   explicit Unfolding(const Cage& cage) : cage(cage), borders(cage), cells(cage.numFaces()), done(cage.numFaces()) {}
 
-  std::vector<Chart> run()
-  {
+  std::vector<Chart> run() {
     std::vector<Chart> charts;
     for (unsigned seed = 0; seed < cage.numFaces(); seed++)
-      if (!done[seed])
-        charts.push_back(grow(seed));
+      if (!done[seed]) charts.push_back(grow(seed));
     return charts;
   }
 
@@ -42,27 +38,21 @@ public:
 private:
   using Point = std::pair<int, int>;
 
-  static Point squareCorner(const ChartCell& c, int i)
-  {
+  static Point squareCorner(const ChartCell& c, int i) {
     static constexpr int dx[4] = {0, 1, 1, 0}, dy[4] = {0, 0, 1, 1};
     return {c.x + dx[i & 3], c.y + dy[i & 3]};
   }
 
-  bool place(unsigned face, const ChartCell& cell, Chart& chart)
-  {
-    if (used.count({cell.x, cell.y}))
-      return false;
+  bool place(unsigned face, const ChartCell& cell, Chart& chart) {
+    if (used.count({cell.x, cell.y})) return false;
     if (std::max(chart.x1, cell.x) - std::min(chart.x0, cell.x) >= largestChart ||
         std::max(chart.y1, cell.y) - std::min(chart.y0, cell.y) >= largestChart)
       return false;
-    for (int i = 0; i < 4; i++)
-    {
+    for (int i = 0; i < 4; i++) {
       const auto known = points.find(squareCorner(cell, i + cell.turn));
-      if (known != points.end() && known->second != cage.faceIndices[4 * face + size_t(i)])
-        return false;
+      if (known != points.end() && known->second != cage.faceIndices[4 * face + size_t(i)]) return false;
     }
-    for (int i = 0; i < 4; i++)
-      points[squareCorner(cell, i + cell.turn)] = cage.faceIndices[4 * face + size_t(i)];
+    for (int i = 0; i < 4; i++) points[squareCorner(cell, i + cell.turn)] = cage.faceIndices[4 * face + size_t(i)];
     used[{cell.x, cell.y}] = face;
     chart.x0 = std::min(chart.x0, cell.x);
     chart.x1 = std::max(chart.x1, cell.x);
@@ -74,20 +64,16 @@ private:
     return true;
   }
 
-  Chart grow(unsigned seed)
-  {
+  Chart grow(unsigned seed) {
     Chart chart;
     points.clear();
     used.clear();
     place(seed, {}, chart);
-    for (size_t next = 0; next < chart.faces.size(); next++)
-    {
+    for (size_t next = 0; next < chart.faces.size(); next++) {
       const unsigned face = chart.faces[next];
-      for (int edge = 0; edge < 4; edge++)
-      {
+      for (int edge = 0; edge < 4; edge++) {
         const FaceBorders::Side other = borders.opposite(face, unsigned(edge));
-        if (other.face == ~0u || done[other.face])
-          continue;
+        if (other.face == ~0u || done[other.face]) continue;
         /* Side s of a square is below, right of, above or left of it; the neighbor's square has the common edge on
          * the opposite side. */
         const ChartCell& here = cells[face];
@@ -108,8 +94,7 @@ private:
 
 } // namespace
 
-Charts unfoldCharts(const Cage& cage, int texels, int padding)
-{
+Charts unfoldCharts(const Cage& cage, int texels, int padding) {
   Unfolding unfolding(cage);
   std::vector<Chart> pieces = unfolding.run();
   Charts charts;
@@ -126,17 +111,14 @@ Charts unfoldCharts(const Cage& cage, int texels, int padding)
     area += double(c.width() * texels + 2 * padding) * double(c.height() * texels + 2 * padding);
   charts.width = std::max(int(std::sqrt(area)), largestChart * texels + 2 * padding);
   int x = 0, y = 0, shelf = 0;
-  for (const Chart& c : pieces)
-  {
+  for (const Chart& c : pieces) {
     const int w = c.width() * texels + 2 * padding, h = c.height() * texels + 2 * padding;
-    if (x + w > charts.width)
-    {
+    if (x + w > charts.width) {
       x = 0;
       y += shelf;
       shelf = 0;
     }
-    for (unsigned face : c.faces)
-    {
+    for (unsigned face : c.faces) {
       ChartCell& cell = charts.cells[face];
       cell.x = x + padding + (cell.x - c.x0) * texels;
       cell.y = y + padding + (cell.y - c.y0) * texels;
@@ -148,13 +130,11 @@ Charts unfoldCharts(const Cage& cage, int texels, int padding)
   return charts;
 }
 
-void setChartUVs(Cage& cage, const Charts& charts)
-{
+void setChartUVs(Cage& cage, const Charts& charts) {
   cage.uvs.clear();
   cage.uvIndices.resize(cage.faceIndices.size());
   for (size_t face = 0; face < cage.numFaces(); face++)
-    for (int i = 0; i < 4; i++)
-    {
+    for (int i = 0; i < 4; i++) {
       const ChartCell& c = charts.cells[face];
       const int corner = (i + c.turn) & 3;
       cage.uvIndices[4 * face + size_t(i)] = unsigned(cage.uvs.size());

@@ -14,17 +14,15 @@ namespace cbvh {
 
 /* Place of a face in the map, in texels with y up: corner i of the face is corner (i + turn) mod 4 of the square,
  * counterclockwise from the lower left. */
-struct ChartCell
-{
+struct ChartCell {
   int x = 0, y = 0, turn = 0;
 };
 
-struct Charts
-{
-  int width = 0, height = 0;     // of the map, in texels
-  int texels = 0;                // per side of a face
+struct Charts {
+  int width = 0, height = 0; // of the map, in texels
+  int texels = 0;            // per side of a face
   std::vector<ChartCell> cells;
-  size_t count = 0;              // of charts
+  size_t count = 0; // of charts
 };
 
 /* `padding` is the width in texels of the space around each chart. */

@@ -18,16 +18,14 @@
 namespace cbvh {
 
 /* Shape at boundary edges, with the names and numbers of OpenSubdiv's tag interpolateboundary. */
-enum class BoundaryRule
-{
+enum class BoundaryRule {
   None = 0,          // faces that touch the boundary have no surface
   EdgeAndCorner = 1, // smooth boundary curve, sharp corners
   EdgeOnly = 2,      // smooth boundary curve
 };
 
 /* How each subdivision step reduces the sharpness of creases. */
-enum class CreaseRule
-{
+enum class CreaseRule {
   Uniform, // by 1
   Chaikin, // by 1 after averaging with neighboring creases
 };
@@ -36,8 +34,7 @@ enum class CreaseRule
  * corner of any finite sharpness. */
 inline float sharpnessOf(float given) { return given >= 10.0f ? INFINITY : given; }
 
-struct Cage
-{
+struct Cage {
   std::string name;
   std::string comments; // of the head of its file, one per line
   std::vector<Vec3f> positions;
@@ -56,8 +53,8 @@ struct Cage
   std::vector<unsigned> cornerVertices;
   std::vector<float> cornerSharpness;
   std::vector<unsigned> holes;
-  BoundaryRule boundary = BoundaryRule::EdgeOnly;         // the default of OpenSubdiv and Embree
-  CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; for Embree see crease_rules.h
+  BoundaryRule boundary = BoundaryRule::EdgeOnly; // the default of OpenSubdiv and Embree
+  CreaseRule creaseRule = CreaseRule::Uniform;    // OpenSubdiv's default; for Embree see crease_rules.h
 
   size_t numFaces() const { return faceSizes.size(); }
   bool hasUVs() const { return !uvIndices.empty(); }
@@ -66,18 +63,16 @@ struct Cage
 };
 
 /* resolution x resolution quads. Vertices are row by row, u fastest. */
-struct Patch
-{
+struct Patch {
   unsigned face;
-  unsigned subPatch;   // corner of an n-gon, else 0
+  unsigned subPatch; // corner of an n-gon, else 0
   unsigned resolution;
-  size_t firstVertex;  // index of vertex (0,0) in the vertices of all patches
-  size_t firstQuad;    // the same in all quads
+  size_t firstVertex; // index of vertex (0,0) in the vertices of all patches
+  size_t firstQuad;   // the same in all quads
 };
 
 /* Patches in order of faces; holes have none. Faces are numbered consecutively over the copies. */
-class PatchLayout
-{
+class PatchLayout {
 public:
   PatchLayout(const Cage& cage, int level, size_t copies = 1);
 

@@ -28,39 +28,27 @@ constexpr int maxVertexFaces = 1024;
 /* Thread-local, because OpenSubdiv reports through a plain function. */
 thread_local std::string lastReport;
 
-void recordError(Far::ErrorType, const char* message)
-{
-  if (lastReport.empty())
-    lastReport = message;
+void recordError(Far::ErrorType, const char* message) {
+  if (lastReport.empty()) lastReport = message;
 }
 
-void recordWarning(const char* message)
-{
-  if (lastReport.empty())
-    lastReport = message;
+void recordWarning(const char* message) {
+  if (lastReport.empty()) lastReport = message;
 }
 
-std::string oneLine(std::string text)
-{
+std::string oneLine(std::string text) {
   for (char& c : text)
-    if (c == '\n')
-      c = ' ';
-  while (!text.empty() && text.back() == ' ')
-    text.pop_back();
+    if (c == '\n') c = ' ';
+  while (!text.empty() && text.back() == ' ') text.pop_back();
   return text;
 }
 
-std::string faces(size_t n)
-{
-  return std::to_string(n) + (n == 1 ? " face" : " faces");
-}
+std::string faces(size_t n) { return std::to_string(n) + (n == 1 ? " face" : " faces"); }
 
 /* These messages name the face, unlike OpenSubdiv's. */
-void checkFaces(const Cage& cage)
-{
+void checkFaces(const Cage& cage) {
   size_t offset = 0;
-  for (size_t face = 0; face < cage.numFaces(); offset += cage.faceSizes[face++])
-  {
+  for (size_t face = 0; face < cage.numFaces(); offset += cage.faceSizes[face++]) {
     const unsigned size = cage.faceSizes[face];
     std::vector<unsigned> vertices(cage.faceIndices.begin() + ptrdiff_t(offset),
                                    cage.faceIndices.begin() + ptrdiff_t(offset + size));
@@ -72,42 +60,31 @@ void checkFaces(const Cage& cage)
   }
 }
 
-std::string counted(size_t n, const char* one, const char* many)
-{
+std::string counted(size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
 using Edge = std::pair<unsigned, unsigned>;
 
-Edge ordered(Edge edge)
-{
-  return {std::min(edge.first, edge.second), std::max(edge.first, edge.second)};
-}
+Edge ordered(Edge edge) { return {std::min(edge.first, edge.second), std::max(edge.first, edge.second)}; }
 
 /* Creases between vertices that share no edge, which Embree ignores. */
-void removeCreasesWithoutEdge(Cage& cage, std::string& warnings)
-{
-  if (cage.creaseEdges.empty())
-    return;
+void removeCreasesWithoutEdge(Cage& cage, std::string& warnings) {
+  if (cage.creaseEdges.empty()) return;
   std::set<Edge> edges;
   size_t first = 0;
-  for (unsigned size : cage.faceSizes)
-  {
+  for (unsigned size : cage.faceSizes) {
     for (unsigned i = 0; i < size; i++)
       edges.insert(ordered({cage.faceIndices[first + i], cage.faceIndices[first + (i + 1) % size]}));
     first += size;
   }
   std::vector<Edge> removed;
   size_t kept = 0;
-  for (size_t i = 0; i < cage.creaseEdges.size(); i++)
-  {
-    if (edges.count(ordered(cage.creaseEdges[i])))
-    {
+  for (size_t i = 0; i < cage.creaseEdges.size(); i++) {
+    if (edges.count(ordered(cage.creaseEdges[i]))) {
       cage.creaseEdges[kept] = cage.creaseEdges[i];
       cage.creaseSharpness[kept++] = cage.creaseSharpness[i];
-    }
-    else
-      removed.push_back(cage.creaseEdges[i]);
+    } else removed.push_back(cage.creaseEdges[i]);
   }
   cage.creaseEdges.resize(kept);
   cage.creaseSharpness.resize(kept);
@@ -117,8 +94,7 @@ void removeCreasesWithoutEdge(Cage& cage, std::string& warnings)
                 (removed.size() == 1 ? "" : ", like " + counted(removed.size() - 1, "other", "others")) + "\n";
 }
 
-std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
-{
+std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage) {
   lastReport.clear();
   Far::SetErrorCallback(recordError);
   Far::SetWarningCallback(recordWarning);
@@ -130,14 +106,11 @@ std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
   return refiner;
 }
 
-void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
-{
+void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings) {
   std::vector<int> edges;
   for (int edge = 0; edge < level.GetNumEdges(); edge++)
-    if (level.IsEdgeNonManifold(edge))
-      edges.push_back(edge);
-  if (edges.empty())
-    return;
+    if (level.IsEdgeNonManifold(edge)) edges.push_back(edge);
+  if (edges.empty()) return;
   const Far::ConstIndexArray v = level.GetEdgeVertices(edges.front());
   warnings += cage.name + ": not manifold at " + counted(edges.size(), "edge", "edges") + ": the edge from vertex " +
               std::to_string(v[0] + 1) + " to " + std::to_string(v[1] + 1) + " has " +
@@ -146,11 +119,9 @@ void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string&
 }
 
 /* Vertices that are not manifold although their edges are. */
-void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
-{
+void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings) {
   std::vector<int> vertices;
-  for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
-  {
+  for (int vertex = 0; vertex < level.GetNumVertices(); vertex++) {
     const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
     if (level.GetVertexFaces(vertex).size() > 0 && level.IsVertexNonManifold(vertex) &&
         std::none_of(edges.begin(), edges.end(), [&](int edge) { return level.IsEdgeNonManifold(edge); }))
@@ -162,8 +133,7 @@ void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::stri
                 " joins parts that share no edge; Embree smooths each part, OpenSubdiv smooths none\n";
 }
 
-void warnOfCreases(const Cage& cage, std::string& warnings)
-{
+void warnOfCreases(const Cage& cage, std::string& warnings) {
   const std::vector<unsigned> vertices = findVerticesWithDifferentCreaseRules(cage);
   if (!vertices.empty())
     warnings += cage.name + ": creases meet at " + counted(vertices.size(), "vertex", "vertices") + ", " +
@@ -173,14 +143,11 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
 }
 
 /* Edges at which the surface ends in Embree: of one face that is no hole. */
-std::vector<char> findBorders(const Cage& cage, const Far::TopologyLevel& level)
-{
+std::vector<char> findBorders(const Cage& cage, const Far::TopologyLevel& level) {
   std::vector<char> isHole(cage.numFaces(), 0);
-  for (unsigned face : cage.holes)
-    isHole[face] = 1;
+  for (unsigned face : cage.holes) isHole[face] = 1;
   std::vector<char> isBorder(size_t(level.GetNumEdges()), 0);
-  for (int edge = 0; edge < level.GetNumEdges(); edge++)
-  {
+  for (int edge = 0; edge < level.GetNumEdges(); edge++) {
     const Far::ConstIndexArray all = level.GetEdgeFaces(edge);
     const auto isFace = [&](int face) { return !isHole[size_t(face)]; };
     isBorder[size_t(edge)] = std::count_if(all.begin(), all.end(), isFace) == 1;
@@ -189,10 +156,8 @@ std::vector<char> findBorders(const Cage& cage, const Far::TopologyLevel& level)
 }
 
 /* OpenSubdiv smooths across holes as if they were faces, unless their edges are creased. */
-void warnOfHoles(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
-{
-  if (cage.boundary == BoundaryRule::None)
-    return; // see warnOfBoundary
+void warnOfHoles(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings) {
+  if (cage.boundary == BoundaryRule::None) return; // see warnOfBoundary
   const std::vector<char> isBorder = findBorders(cage, level);
   std::set<unsigned> holes;
   for (unsigned hole : cage.holes)
@@ -208,14 +173,11 @@ void warnOfHoles(const Cage& cage, const Far::TopologyLevel& level, std::string&
 
 /* Under BoundaryRule::None, Embree leaves out all faces that touch a border or a hole. OpenSubdiv keeps those at holes,
  * and at borders that are infinitely sharp. */
-void warnOfBoundary(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
-{
-  if (cage.boundary != BoundaryRule::None)
-    return;
+void warnOfBoundary(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings) {
+  if (cage.boundary != BoundaryRule::None) return;
   const std::vector<char> isBorder = findBorders(cage, level);
   std::vector<int> lost;
-  for (int face = 0; face < level.GetNumFaces(); face++)
-  {
+  for (int face = 0; face < level.GetNumFaces(); face++) {
     const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
     if (!level.IsFaceHole(face) && std::any_of(vertices.begin(), vertices.end(), [&](int vertex) {
           const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
@@ -231,24 +193,19 @@ void warnOfBoundary(const Cage& cage, const Far::TopologyLevel& level, std::stri
 }
 
 /* Groups the faces at a vertex that manifold edges connect, as Embree does. */
-std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
-{
+std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex) {
   std::vector<std::vector<unsigned>> rings;
   const Far::ConstIndexArray all = level.GetVertexFaces(vertex);
   std::set<int> waiting(all.begin(), all.end());
-  while (!waiting.empty())
-  {
+  while (!waiting.empty()) {
     std::vector<unsigned> ring{unsigned(*waiting.begin())};
     waiting.erase(waiting.begin());
     for (size_t i = 0; i < ring.size(); i++)
-      for (int edge : level.GetFaceEdges(int(ring[i])))
-      {
+      for (int edge : level.GetFaceEdges(int(ring[i]))) {
         const Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
-        if (level.IsEdgeNonManifold(edge) || (ends[0] != vertex && ends[1] != vertex))
-          continue;
+        if (level.IsEdgeNonManifold(edge) || (ends[0] != vertex && ends[1] != vertex)) continue;
         for (int face : level.GetEdgeFaces(edge))
-          if (waiting.erase(face))
-            ring.push_back(unsigned(face));
+          if (waiting.erase(face)) ring.push_back(unsigned(face));
       }
     rings.push_back(std::move(ring));
   }
@@ -256,49 +213,36 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
 }
 
 /* Describes the first of several faces or vertices. */
-struct Findings
-{
+struct Findings {
   std::string first;
   size_t others = 0;
 
-  void add(const std::string& description)
-  {
-    if (first.empty())
-      first = description;
-    else
-      others++;
+  void add(const std::string& description) {
+    if (first.empty()) first = description;
+    else others++;
   }
 };
 
 /* Embree would also leave out all faces that share a vertex with a face of too many vertices. */
-void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
-{
+void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& warnings) {
   std::vector<char> isHole(cage.numFaces(), 0);
-  for (unsigned face : cage.holes)
-    isHole[face] = 1;
+  for (unsigned face : cage.holes) isHole[face] = 1;
   const auto cut = [&](size_t face) {
-    if (!isHole[face])
-      cage.holes.push_back(unsigned(face));
+    if (!isHole[face]) cage.holes.push_back(unsigned(face));
     isHole[face] = 1;
   };
   Findings large, crowded;
   for (size_t face = 0; face < cage.numFaces(); face++)
-    if (cage.faceSizes[face] > maxFaceVertices && !isHole[face])
-    {
+    if (cage.faceSizes[face] > maxFaceVertices && !isHole[face]) {
       cut(face);
       large.add("face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) +
                 " vertices and is");
     }
-  for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
-  {
-    if (level.GetVertexFaces(vertex).size() <= maxVertexFaces)
-      continue;
-    for (const std::vector<unsigned>& ring : ringsAt(level, vertex))
-    {
-      if (ring.size() <= maxVertexFaces)
-        continue;
-      for (unsigned face : ring)
-        cut(face);
+  for (int vertex = 0; vertex < level.GetNumVertices(); vertex++) {
+    if (level.GetVertexFaces(vertex).size() <= maxVertexFaces) continue;
+    for (const std::vector<unsigned>& ring : ringsAt(level, vertex)) {
+      if (ring.size() <= maxVertexFaces) continue;
+      for (unsigned face : ring) cut(face);
       crowded.add("vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) + " around it, which are");
     }
   }
@@ -317,8 +261,7 @@ void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& war
 
 } // namespace
 
-void validateCage(Cage& cage, std::string& warnings)
-{
+void validateCage(Cage& cage, std::string& warnings) {
   checkFaces(cage);
   if (cage.bounds().diagonal() == 0.0f)
     warnings += cage.name + ": all vertices have the same position: there is nothing to see\n";

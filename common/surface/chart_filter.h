@@ -12,8 +12,7 @@
 
 namespace cbvh {
 
-class ChartFilter
-{
+class ChartFilter {
 public:
   /* Both must outlive the filter. */
   ChartFilter(const HeightTexture& texture, const TextureCharts& charts) : texture(texture), charts(charts) {}

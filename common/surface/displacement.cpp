@@ -14,24 +14,20 @@
 namespace cbvh {
 namespace {
 
-class HeightDisplacement : public Displacement
-{
+class HeightDisplacement : public Displacement {
 public:
   HeightDisplacement(std::unique_ptr<MappedTexture> texture, float scale, float midLevel)
-    : texture(std::move(texture)), scale(scale), midLevel(midLevel)
-  {
-  }
+    : texture(std::move(texture)),
+      scale(scale),
+      midLevel(midLevel) {}
 
-  void offsets(const SurfacePoints& points, float* out) const override
-  {
+  void offsets(const SurfacePoints& points, float* out) const override {
     const FaceBorders& borders = texture->borders();
-    for (size_t i = 0; i < points.n; i++)
-    {
+    for (size_t i = 0; i < points.n; i++) {
       const FacePoint p{points.face, points.u[i], points.v[i]};
       float h = height(p, points.levelAt(i));
       const FaceBorders::BorderPosition at = borders.borderPosition(p);
-      if (at.edge >= 0 && texture->isSeam(p.face, at))
-      {
+      if (at.edge >= 0 && texture->isSeam(p.face, at)) {
         float least = h, most = h;
         h = borders.mean(p.face, at, h, [&](const FacePoint& q) {
           const float side = height(q, points.levelAt(i));
@@ -50,8 +46,7 @@ public:
   float texelsAlongEdge(unsigned face, unsigned edge) const override { return texture->texelsAlongEdge(face, edge); }
 
 private:
-  float height(const FacePoint& p, float level) const
-  {
+  float height(const FacePoint& p, float level) const {
     float h = midLevel;
     texture->sample(p, level, &h);
     return h;
@@ -63,26 +58,19 @@ private:
 
 } // namespace
 
-float Displacement::texelsAlongEdge(unsigned, unsigned) const
-{
-  return INFINITY;
-}
+float Displacement::texelsAlongEdge(unsigned, unsigned) const { return INFINITY; }
 
-void Displacement::vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const
-{
+void Displacement::vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const {
   std::vector<float> along(points.n);
   offsets(points, along.data());
-  for (size_t i = 0; i < points.n; i++)
-    vectors[i] = along[i] * normals[i];
+  for (size_t i = 0; i < points.n; i++) vectors[i] = along[i] * normals[i];
 }
 
-float midLevelOf(const DisplacementMap& map)
-{
+float midLevelOf(const DisplacementMap& map) {
   return map.midLevel.value_or(map.values == MapValues::Heights ? neutralHeight : 0.0f);
 }
 
-std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings)
-{
+std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings) {
   Phase phase("displacement map");
   std::unique_ptr<MappedTexture> texture = MappedTexture::create(cage, map, warnings);
   if (map.values == MapValues::Heights)

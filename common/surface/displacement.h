@@ -21,13 +21,12 @@ namespace cbvh {
 
 class SeamGaps;
 
-struct SurfacePoints
-{
+struct SurfacePoints {
   unsigned face;
-  int level;         // at least 0: the spacing is 2^-level
+  int level; // at least 0: the spacing is 2^-level
   size_t n;
-  const float* u;    // n values
-  const float* v;    // n values
+  const float* u;                // n values
+  const float* v;                // n values
   const float* levels = nullptr; // n fractional levels in [0,finestLevel], replace `level` if set
   SeamGaps* gaps = nullptr;      // receives the gaps that are closed, if set
 
@@ -37,8 +36,7 @@ struct SurfacePoints
 /* Reads every map unfiltered. */
 constexpr int finestLevel = 24;
 
-class Displacement
-{
+class Displacement {
 public:
   virtual ~Displacement() = default;
 
@@ -58,22 +56,20 @@ public:
 /* Default mid level: heights displace by scale * (height - mid level). */
 constexpr float neutralHeight = 0.5f;
 
-enum class MapValues
-{
+enum class MapValues {
   Heights,        // along the normal
   ObjectVectors,  // channels x, y and z of the cage
   TangentVectors, // channels along the texture's first axis, the normal, and the second axis
 };
 
-struct DisplacementMap
-{
-  std::string path;              // may contain <UDIM>, see udim_tiles.h
-  float scale = 1.0f;            // world units per unit of the map's values
+struct DisplacementMap {
+  std::string path;   // may contain <UDIM>, see udim_tiles.h
+  float scale = 1.0f; // world units per unit of the map's values
   MapValues values = MapValues::Heights;
-  std::optional<float> midLevel; // value that moves nothing; default: neutralHeight for heights, 0 for vectors
-  std::string channel;           // first one, by name or number from 0; empty: the file's first
+  std::optional<float> midLevel;   // value that moves nothing; default: neutralHeight for heights, 0 for vectors
+  std::string channel;             // first one, by name or number from 0; empty: the file's first
   std::optional<TextureWrap> wrap; // default: Repeat, but Clamp for tiles, and on faces unless repeated
-  Vec2f repeat{1, 1};            // copies of the map per unit of texture coordinates, or per face
+  Vec2f repeat{1, 1};              // copies of the map per unit of texture coordinates, or per face
 };
 
 float midLevelOf(const DisplacementMap& map);

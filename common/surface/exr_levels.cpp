@@ -10,21 +10,13 @@
 
 namespace cbvh {
 
-bool hasRipMaps(const std::string& path)
-try
-{
+bool hasRipMaps(const std::string& path) try {
   const Imf::MultiPartInputFile file(path.c_str());
-  for (int part = 0; part < file.parts(); part++)
-  {
+  for (int part = 0; part < file.parts(); part++) {
     const Imf::Header& header = file.header(part);
-    if (header.hasTileDescription() && header.tileDescription().mode == Imf::RIPMAP_LEVELS)
-      return true;
+    if (header.hasTileDescription() && header.tileDescription().mode == Imf::RIPMAP_LEVELS) return true;
   }
   return false;
-}
-catch (const std::exception&)
-{
-  return false;
-}
+} catch (const std::exception&) { return false; }
 
 } // namespace cbvh

@@ -12,8 +12,7 @@ namespace cbvh {
 
 /* A tile has tileSize + 1 texels per side; the outer ones lie on the face's borders. If tileSize is a power of two,
  * faces with equal texels on an edge meet exactly at levels up to 8. */
-struct FaceAtlas
-{
+struct FaceAtlas {
   int tileSize = 64;
   int tilesPerRow = 1;
 

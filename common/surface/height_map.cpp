@@ -7,8 +7,7 @@
 
 namespace cbvh {
 
-float HeightMap::sampleTexels(float x, float y) const
-{
+float HeightMap::sampleTexels(float x, float y) const {
   x = std::min(std::max(x, 0.0f), float(w - 1));
   y = std::min(std::max(y, 0.0f), float(h - 1));
   const int x0 = int(x), y0 = int(y);

@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-class HeightMap
-{
+class HeightMap {
 public:
   HeightMap() = default;
   HeightMap(int width, int height) : w(width), h(height), texels(size_t(width) * height) {}
@@ -23,8 +22,7 @@ public:
    * unreadable or a texel is missing or not finite. */
   static HeightMap read(const std::string& path);
 
-  struct FileInfo
-  {
+  struct FileInfo {
     unsigned images = 0;            // Ptex: one per face; also pages of a TIFF, parts of an EXR
     std::vector<int> numbers;       // of the images: a TIFF also contains smaller copies and masks
     std::vector<int> firstChannels; // of the requested channels, per image of the file

@@ -14,15 +14,13 @@
 
 namespace cbvh {
 
-struct TextureChannels
-{
+struct TextureChannels {
   std::string first; // name, or number from 0; empty: the file's first
   int count = 1;     // 1 for heights, 3 for vectors
   float neutral = 0; // for texels without a value
 };
 
-class HeightTexture
-{
+class HeightTexture {
 public:
   /* Opens files and checks that all texels are readable and finite. Uses all images of a single file, or the first
    * image of each of several files. Appends a line to `warnings` for each file with texels without a value. Throws

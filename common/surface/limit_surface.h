@@ -21,13 +21,11 @@
 namespace cbvh {
 
 /* Position, and derivatives by (u,v) of a patch. */
-struct LimitSample
-{
+struct LimitSample {
   Vec3d p, du, dv, duu, duv, dvv;
 };
 
-class LimitSurface
-{
+class LimitSurface {
 public:
   explicit LimitSurface(const Cage& cage);
   ~LimitSurface();

@@ -26,15 +26,13 @@
 namespace cbvh {
 
 /* Channels to read. */
-struct ChannelRange
-{
+struct ChannelRange {
   int first = 0;
   int count = 0;
   float neutral = 0.0f; // displaces nothing
 };
 
-class MapImage final : public OIIO::ImageInput
-{
+class MapImage final : public OIIO::ImageInput {
 public:
   /* Passes `range` to open(). If image i has an entry in firstChannels, it replaces range.first. */
   static OIIO::ImageSpec configuration(const ChannelRange& range, const std::vector<int>& firstChannels = {});
@@ -69,8 +67,7 @@ public:
   bool close() override;
   int current_subimage() const override { return image; }
   bool seek_subimage(int subimage, int miplevel) override;
-  bool read_native_scanline(int subimage, int miplevel, int y, int z, void* data) override
-  {
+  bool read_native_scanline(int subimage, int miplevel, int y, int z, void* data) override {
     return read_native_scanlines(subimage, miplevel, y, y + 1, z, data);
   }
   bool read_native_scanlines(int subimage, int miplevel, int yBegin, int yEnd, int z, void* data) override;

@@ -17,20 +17,16 @@ namespace cbvh {
 
 /* Seeks the first image from `number` on that is no smaller copy and no mask of another one. Returns its number, or -1
  * if there is none, or if it cannot be read: see rejection(). */
-inline int seekPicture(MapImage& file, int number)
-{
+inline int seekPicture(MapImage& file, int number) {
   for (; file.seek_subimage(number, 0); number++)
-    if (!file.isCopyOrMask())
-      return number;
+    if (!file.isCopyOrMask()) return number;
   return -1;
 }
 
 /* Number of a channel, given by its name or its number from 0; -1 if there is none. */
-inline int channelNumber(const std::vector<std::string>& names, const std::string& channel)
-{
+inline int channelNumber(const std::vector<std::string>& names, const std::string& channel) {
   const auto named = std::find(names.begin(), names.end(), channel);
-  if (named != names.end())
-    return int(named - names.begin());
+  if (named != names.end()) return int(named - names.begin());
   int number = -1;
   const char* const end = channel.data() + channel.size();
   const auto parsed = std::from_chars(channel.data(), end, number);
@@ -38,11 +34,9 @@ inline int channelNumber(const std::vector<std::string>& names, const std::strin
 }
 
 /* "R, G, B" */
-inline std::string listOfChannels(const std::vector<std::string>& names)
-{
+inline std::string listOfChannels(const std::vector<std::string>& names) {
   std::string list;
-  for (const std::string& name : names)
-    list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return list;
 }
 

@@ -17,8 +17,7 @@
 
 namespace cbvh {
 
-class MappedTexture
-{
+class MappedTexture {
 public:
   virtual ~MappedTexture() = default;
 
@@ -50,8 +49,7 @@ private:
 };
 
 template<typename T>
-T bilinear(const T q[4], float x, float y)
-{
+T bilinear(const T q[4], float x, float y) {
   /* Exactly symmetric in the ends of an edge: the opposite edge's weights are zero, and 1-x is exact for multiples
    * of 2^-k. */
   const T lower = q[0] * (1.0f - x) + q[1] * x;
@@ -61,16 +59,13 @@ T bilinear(const T q[4], float x, float y)
 
 /* Interpolates values at the n corners of a face, or over the corner quads of an n-gon. */
 template<typename T>
-T interpolate(const T* c, unsigned n, const FacePoint& p)
-{
+T interpolate(const T* c, unsigned n, const FacePoint& p) {
   float x = p.u, y = p.v;
-  if (n == 4)
-    return bilinear(c, x, y);
+  if (n == 4) return bilinear(c, x, y);
   /* Corner, middle of the next edge, center, middle of the previous edge. */
   const unsigned corner = std::min(decodeSubPatch(x, y), n - 1);
   T center{};
-  for (unsigned i = 0; i < n; i++)
-    center = center + c[i];
+  for (unsigned i = 0; i < n; i++) center = center + c[i];
   const T q[4] = {c[corner], (c[corner] + c[(corner + 1) % n]) * 0.5f, center * (1.0f / float(n)),
                   (c[corner] + c[(corner + n - 1) % n]) * 0.5f};
   return bilinear(q, x, y);

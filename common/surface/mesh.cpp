@@ -19,34 +19,28 @@
 namespace cbvh {
 namespace {
 
-struct CloseFile
-{
+struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
 } // namespace
 
-void makeQuads(Cage& cage, const std::string& path)
-{
+void makeQuads(Cage& cage, const std::string& path) {
   std::vector<bool> isHole(cage.numFaces());
-  for (unsigned face : cage.holes)
-    isHole[face] = true;
+  for (unsigned face : cage.holes) isHole[face] = true;
   std::vector<unsigned> indices;
   indices.reserve(4 * cage.numFaces());
   size_t first = 0;
-  for (size_t face = 0; face < cage.numFaces(); face++)
-  {
+  for (size_t face = 0; face < cage.numFaces(); face++) {
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
       throw Error(path + ": face " + std::to_string(face + 1) + " has " + std::to_string(size) +
                   " vertices: expected a mesh of quads and triangles; " + settingName("cage") +
                   " reads the file as a subdivision surface");
-    if (!isHole[face])
-      indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
+    if (!isHole[face]) indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
     first += size;
   }
-  if (indices.empty())
-    throw Error(path + ": all faces are holes: expected at least one other face");
+  if (indices.empty()) throw Error(path + ": all faces are holes: expected at least one other face");
   cage.faceIndices = std::move(indices);
   cage.faceSizes.assign(cage.faceIndices.size() / 4, 4);
   cage.uvs.clear();
@@ -54,14 +48,11 @@ void makeQuads(Cage& cage, const std::string& path)
   cage.holes.clear();
 }
 
-float latticeSpacing(const std::vector<Vec3f>& positions)
-{
+float latticeSpacing(const std::vector<Vec3f>& positions) {
   int lowest = 1000, highest = -1000; // exponents of the common divisor and the largest coordinate
   for (const Vec3f& p : positions)
-    for (float x : {p.x, p.y, p.z})
-    {
-      if (x == 0.0f || !std::isfinite(x))
-        continue;
+    for (float x : {p.x, p.y, p.z}) {
+      if (x == 0.0f || !std::isfinite(x)) continue;
       int exponent;
       const int mantissa = int(std::ldexp(std::frexp(std::fabs(x), &exponent), 24));
       lowest = std::min(lowest, exponent - 24 + __builtin_ctz(unsigned(mantissa)));
@@ -71,28 +62,22 @@ float latticeSpacing(const std::vector<Vec3f>& positions)
 }
 
 void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
-              const std::vector<std::array<unsigned, 4>>& quads)
-{
+              const std::vector<std::array<unsigned, 4>>& quads) {
   Phase phase(path);
   PendingFile pending(path);
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(pending.temporary().c_str(), "w"));
-  if (!file)
-    throw Error(path + ": " + std::strerror(errno));
+  if (!file) throw Error(path + ": " + std::strerror(errno));
   std::unordered_map<std::array<uint32_t, 3>, unsigned, ArrayHash> known;
   std::vector<unsigned> number(vertices.size()); // from 1; 0 for vertices that are not finite
-  for (size_t i = 0; i < vertices.size(); i++)
-  {
+  for (size_t i = 0; i < vertices.size(); i++) {
     const Vec3f p = vertices[i] + Vec3f{0, 0, 0}; // turns -0 into 0
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      continue;
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
     std::array<uint32_t, 3> bits;
     std::memcpy(bits.data(), &p, sizeof(bits));
     const auto found = known.emplace(bits, unsigned(known.size() + 1));
     number[i] = found.first->second;
-    if (found.second)
-      std::fprintf(file.get(), "v %.9g %.9g %.9g\n", double(p.x), double(p.y), double(p.z));
-    if (i % 65536 == 0)
-    {
+    if (found.second) std::fprintf(file.get(), "v %.9g %.9g %.9g\n", double(p.x), double(p.y), double(p.z));
+    if (i % 65536 == 0) {
       phase.update(0.5 * double(i) / double(vertices.size()));
       throwIfCanceled();
     }
@@ -100,8 +85,7 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
   for (const std::array<unsigned, 4>& quad : quads)
     if (std::all_of(quad.begin(), quad.end(), [&](unsigned v) { return number[v] != 0; }))
       std::fprintf(file.get(), "f %u %u %u %u\n", number[quad[0]], number[quad[1]], number[quad[2]], number[quad[3]]);
-  if (std::fflush(file.get()) != 0 || std::ferror(file.get()))
-    throw Error(path + ": " + std::strerror(errno));
+  if (std::fflush(file.get()) != 0 || std::ferror(file.get())) throw Error(path + ": " + std::strerror(errno));
   file.reset();
   pending.commit();
 }

@@ -16,8 +16,7 @@ namespace cbvh {
 void makeQuads(Cage& cage, const std::string& path);
 
 /* Requires a mesh of makeQuads. */
-inline bool isTriangle(const Cage& mesh, size_t face)
-{
+inline bool isTriangle(const Cage& mesh, size_t face) {
   const unsigned* const v = &mesh.faceIndices[4 * face];
   return v[2] == v[3];
 }

@@ -16,37 +16,32 @@
 namespace cbvh {
 
 /* The copy is scaled, rotated about the y axis, then moved. */
-struct Placement
-{
+struct Placement {
   Vec3f origin;
   float angle = 0; // radians
   float scale = 1;
 
-  Vec3f apply(Vec3f p) const
-  {
+  Vec3f apply(Vec3f p) const {
     const float c = std::cos(angle), s = std::sin(angle);
     return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
   }
 
   /* Displacements scale with the copy; normals do not. */
   Vec3f vectorFromCage(Vec3f v) const { return Placement{{}, angle, scale}.apply(v); }
-  Vec3f normalToCage(Vec3f n) const
-  {
+  Vec3f normalToCage(Vec3f n) const {
     const float c = std::cos(angle), s = std::sin(angle);
     return {c * n.x - s * n.z, n.y, s * n.x + c * n.z};
   }
 
   /* Inverses; directions keep their length. */
   Vec3d pointToCage(Vec3d p) const { return directionToCage(p - toDouble(origin)) * (1.0 / scale); }
-  Vec3d directionToCage(Vec3d d) const
-  {
+  Vec3d directionToCage(Vec3d d) const {
     const double c = std::cos(angle), s = std::sin(angle);
     return {c * d.x - s * d.z, d.y, s * d.x + c * d.z};
   }
 };
 
-struct Model
-{
+struct Model {
   std::string name;
   Cage cage; // of a mesh: faces of 4 vertices, triangles repeat the last one
 
@@ -56,7 +51,7 @@ struct Model
   bool isMesh = false;
   float spacing = 0; // of a lattice that contains a mesh's vertices, or 0
   std::shared_ptr<const Displacement> displacement;
-  std::vector<Placement> copies{Placement()};       // geometries, not instances
+  std::vector<Placement> copies{Placement()}; // geometries, not instances
 
   /* Vertices of each copy before it is placed; empty if all have the cage's. */
   std::vector<std::vector<Vec3f>> shapes;
@@ -72,18 +67,15 @@ struct Model
   const std::vector<Vec3f>* shapeOf(size_t copy) const { return shapes.empty() ? nullptr : &shapes[copy]; }
 
   /* A vertex of a copy with its own shape moves as the cage's vertex, which is at p in this pose. */
-  static Vec3f positionInShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex)
-  {
+  static Vec3f positionInShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex) {
     return shape ? (*shape)[vertex] + (p - cage.positions[vertex]) : p;
   }
 
-  std::vector<Vec3f> positions() const
-  {
+  std::vector<Vec3f> positions() const {
     std::vector<Vec3f> all;
     all.reserve(numVertices() * (1 + poses.size()));
     for (size_t i = 0; i < copies.size(); i++)
-      for (size_t step = 0; step <= poses.size(); step++)
-      {
+      for (size_t step = 0; step <= poses.size(); step++) {
         const std::vector<Vec3f>& pose = step ? poses[step - 1] : cage.positions;
         for (size_t vertex = 0; vertex < pose.size(); vertex++)
           all.push_back(copies[i].apply(positionInShape(pose[vertex], shapeOf(i), cage, vertex)));

@@ -29,27 +29,22 @@
 namespace cbvh {
 namespace {
 
-class Parser
-{
+class Parser {
 public:
   Parser(std::istream& stream, const std::string& name, std::string& warnings)
-    : stream(stream), name(name), warnings(warnings)
-  {
-  }
+    : stream(stream),
+      name(name),
+      warnings(warnings) {}
 
-  Cage run()
-  {
+  Cage run() {
     cage.name = name;
-    for (std::string line; readLine(line);)
-    {
+    for (std::string line; readLine(line);) {
       if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0)
         line.erase(0, 3); // byte order mark of Windows programs
-      while (continues(line))
-      {
+      while (continues(line)) {
         line.back() = ' ';
         std::string more;
-        if (!readLine(more))
-          break;
+        if (!readLine(more)) break;
         line += more;
       }
       statement(line);
@@ -60,120 +55,91 @@ public:
 
 private:
   /* Reads a line that ends in LF, CR LF or CR, without trailing blanks. Returns false at the end of the file. */
-  bool readLine(std::string& line)
-  {
+  bool readLine(std::string& line) {
     line.clear();
-    try
-    {
+    try {
       std::streambuf& from = *stream.rdbuf();
       int c = from.sbumpc();
-      if (c == EOF)
-        return false;
-      for (; c != EOF && c != '\n' && c != '\r'; c = from.sbumpc())
-        line += char(c);
-      if (c == '\r' && from.sgetc() == '\n')
-        from.sbumpc();
-    }
-    catch (const std::ios_base::failure&)
-    {
-      throw Error(name + ": read error");
-    }
+      if (c == EOF) return false;
+      for (; c != EOF && c != '\n' && c != '\r'; c = from.sbumpc()) line += char(c);
+      if (c == '\r' && from.sgetc() == '\n') from.sbumpc();
+    } catch (const std::ios_base::failure&) { throw Error(name + ": read error"); }
     line.erase(line.find_last_not_of(" \t") + 1);
-    if (lineNumber++ % 4096 == 0)
-      throwIfCanceled();
+    if (lineNumber++ % 4096 == 0) throwIfCanceled();
     return true;
   }
 
   /* Comments and names never continue on the next line: a Windows path may end in a backslash. */
-  static bool continues(std::string_view line)
-  {
-    if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
-      return false;
-    static const std::set<std::string_view> named = {"g", "o", "usemtl", "mtllib", "usemap", "maplib",
-                                                     "shadow_obj", "trace_obj"};
+  static bool continues(std::string_view line) {
+    if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos) return false;
+    static const std::set<std::string_view> named = {"g",      "o",      "usemtl",     "mtllib",
+                                                     "usemap", "maplib", "shadow_obj", "trace_obj"};
     const size_t begin = line.find_first_not_of(" \t");
     const std::string_view kind = line.substr(begin, std::min(line.find_first_of(" \t\\", begin), line.size()) - begin);
     return !named.count(kind);
   }
 
-  [[noreturn]] void fail(const std::string& what) const
-  {
+  [[noreturn]] void fail(const std::string& what) const {
     throw Error(name + ":" + std::to_string(lineNumber) + ": " + what);
   }
 
   /* True in 1.#INF and -1.#IND00, which old C libraries of Windows write. */
-  static bool isPartOfNumber(std::string_view rest)
-  {
+  static bool isPartOfNumber(std::string_view rest) {
     const std::string_view kinds[] = {".#INF", ".#IND", ".#QNAN", ".#SNAN"};
     return std::any_of(std::begin(kinds), std::end(kinds),
                        [&](std::string_view kind) { return rest.substr(0, kind.size()) == kind; });
   }
 
-  static std::vector<std::string_view> split(std::string_view line)
-  {
+  static std::vector<std::string_view> split(std::string_view line) {
     std::vector<std::string_view> words;
-    for (size_t i = 0; i < line.size();)
-    {
+    for (size_t i = 0; i < line.size();) {
       const size_t begin = line.find_first_not_of(" \t\r\n", i);
-      if (begin == std::string_view::npos || line[begin] == '#')
-        break;
+      if (begin == std::string_view::npos || line[begin] == '#') break;
       size_t end = std::min(line.find_first_of(" \t\r\n#", begin), line.size());
-      if (isPartOfNumber(line.substr(end - 1)))
-        end = std::min(line.find_first_of(" \t\r\n", end), line.size());
+      if (isPartOfNumber(line.substr(end - 1))) end = std::min(line.find_first_of(" \t\r\n", end), line.size());
       words.push_back(line.substr(begin, end - begin));
       i = end;
     }
     return words;
   }
 
-  static std::string printable(std::string_view word)
-  {
+  static std::string printable(std::string_view word) {
     constexpr size_t longest = 32;
     std::string text(word.substr(0, longest));
     for (char& c : text)
-      if (c < ' ' || c > '~')
-        c = '?';
+      if (c < ' ' || c > '~') c = '?';
     return text + (word.size() > longest ? "..." : "");
   }
 
   static std::string quoted(std::string_view word) { return "'" + printable(word) + "'"; }
 
   template<typename T>
-  T number(std::string_view word) const
-  {
+  T number(std::string_view word) const {
     std::string_view digits = word;
-    if (!digits.empty() && digits[0] == '+')
-      digits.remove_prefix(1);
+    if (!digits.empty() && digits[0] == '+') digits.remove_prefix(1);
     T value{};
     const char* const last = digits.data() + digits.size();
     const auto [end, code] = std::from_chars(digits.data(), last, value);
-    if (code == std::errc::result_out_of_range && end == last)
-      return outOfRange<T>(word);
-    if (code != std::errc() || end != last)
-      fail("expected a number, found " + quoted(word));
+    if (code == std::errc::result_out_of_range && end == last) return outOfRange<T>(word);
+    if (code != std::errc() || end != last) fail("expected a number, found " + quoted(word));
     return value;
   }
 
   /* Tiny coordinates of programs that compute in doubles become 0. */
   template<typename T>
-  T outOfRange(std::string_view word) const
-  {
+  T outOfRange(std::string_view word) const {
     if constexpr (std::is_floating_point_v<T>)
-      if (std::abs(std::strtod(std::string(word).c_str(), nullptr)) < 1.0)
-        return 0;
+      if (std::abs(std::strtod(std::string(word).c_str(), nullptr)) < 1.0) return 0;
     fail(quoted(word) + " is too large; expected a value that a float or an index can hold");
   }
 
-  float coordinate(std::string_view word) const
-  {
+  float coordinate(std::string_view word) const {
     const float value = number<float>(word);
-    if (!std::isfinite(value))
-      fail(quoted(word) + " is not finite: expected a finite number");
+    if (!std::isfinite(value)) fail(quoted(word) + " is not finite: expected a finite number");
     return value;
   }
 
-  unsigned index(std::string_view word, size_t count, const char* what) const
-  {
+  unsigned index(std::string_view word, size_t count, const char* what) const {
     const long long value = number<long long>(word);
     const long long zeroBased = value < 0 ? (long long)count + value : value - 1;
     if (value == 0 || zeroBased < 0 || zeroBased >= (long long)count)
@@ -182,35 +148,24 @@ private:
     return unsigned(zeroBased);
   }
 
-  void statement(std::string_view line)
-  {
+  void statement(std::string_view line) {
     const std::vector<std::string_view> words = split(line);
-    if (words.empty())
-      return comment(line);
+    if (words.empty()) return comment(line);
     atHead = false;
     const std::string_view kind = words[0];
-    if (kind == "v")
-    {
-      if (words.size() < 4)
-        fail("a vertex needs three coordinates, this one has " + std::to_string(words.size() - 1));
+    if (kind == "v") {
+      if (words.size() < 4) fail("a vertex needs three coordinates, this one has " + std::to_string(words.size() - 1));
       cage.positions.push_back({coordinate(words[1]), coordinate(words[2]), coordinate(words[3])});
-    }
-    else if (kind == "vt")
-    {
-      if (words.size() < 2)
-        fail("expected one or two numbers after 'vt', found none");
+    } else if (kind == "vt") {
+      if (words.size() < 2) fail("expected one or two numbers after 'vt', found none");
       const float v = words.size() < 3 ? 0.0f : coordinate(words[2]);
       cage.uvs.push_back({coordinate(words[1]), v});
-    }
-    else if (kind == "f")
-      face(words);
-    else if (kind == "t")
-      tag(words);
-    else
-    {
-      static const std::set<std::string_view> skipped = {"vn", "vp", "g",  "o",  "s",     "l",
-                                                         "p",  "usemtl", "mtllib", "usemap", "maplib", "mg", "lod",
-                                                         "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+    } else if (kind == "f") face(words);
+    else if (kind == "t") tag(words);
+    else {
+      static const std::set<std::string_view> skipped = {
+          "vn",     "vp",     "g",  "o",   "s",     "l",        "p",        "usemtl",     "mtllib",
+          "usemap", "maplib", "mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
       if (!skipped.count(kind))
         fail("unknown statement " + quoted(kind) +
              (lineNumber == 1 ? ": expected an OBJ file" : ": expected a statement of OBJ"));
@@ -218,73 +173,59 @@ private:
   }
 
   /* Programs describe themselves in comments before the first statement. */
-  void comment(std::string_view line)
-  {
+  void comment(std::string_view line) {
     constexpr size_t longest = 4096;
     const size_t begin = line.find('#');
     if (atHead && begin != std::string_view::npos && cage.comments.size() + line.size() < longest)
       cage.comments += std::string(line.substr(begin + 1)) + "\n";
   }
 
-  void face(const std::vector<std::string_view>& words)
-  {
+  void face(const std::vector<std::string_view>& words) {
     const size_t corners = words.size() - 1;
-    if (corners < 3)
-      fail("a face needs at least three vertices, this one has " + std::to_string(corners));
+    if (corners < 3) fail("a face needs at least three vertices, this one has " + std::to_string(corners));
     std::vector<unsigned> uvs; // of the corners with texture coordinates
-    for (size_t i = 1; i <= corners; i++)
-    {
+    for (size_t i = 1; i <= corners; i++) {
       const std::string_view word = words[i];
       const size_t slash = word.find('/');
       cage.faceIndices.push_back(index(word.substr(0, slash), cage.positions.size(), "vertex"));
       std::string_view uv;
-      if (slash != std::string_view::npos)
-      {
+      if (slash != std::string_view::npos) {
         uv = word.substr(slash + 1);
         uv = uv.substr(0, uv.find('/'));
       }
-      if (!uv.empty())
-        uvs.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
+      if (!uv.empty()) uvs.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
     }
     cage.faceSizes.push_back(unsigned(corners));
     addTextureCoordinates(uvs, corners);
   }
 
   /* uvIndices stays empty until the first face with texture coordinates. */
-  void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners)
-  {
+  void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners) {
     if (!uvs.empty() && uvs.size() != corners)
       fail("a face needs texture coordinates at all corners or at none, this one has them at " +
            std::to_string(uvs.size()) + " of " + std::to_string(corners));
-    if (uvs.empty() && cage.lineWithoutUVs == 0)
-      cage.lineWithoutUVs = lineNumber;
-    if (uvs.empty() && cage.uvIndices.empty())
-      return;
+    if (uvs.empty() && cage.lineWithoutUVs == 0) cage.lineWithoutUVs = lineNumber;
+    if (uvs.empty() && cage.uvIndices.empty()) return;
     cage.uvIndices.resize(cage.faceIndices.size() - uvs.size(), Cage::noUV);
     cage.uvIndices.insert(cage.uvIndices.end(), uvs.begin(), uvs.end());
   }
 
   /* t NAME INTS/FLOATS/STRINGS VALUES */
-  struct Tag
-  {
+  struct Tag {
     std::string name;
     std::vector<unsigned> ints;
     std::vector<float> floats;
     std::vector<std::string> strings;
   };
 
-  Tag readTag(const std::vector<std::string_view>& words) const
-  {
-    if (words.size() < 3)
-      fail("expected a name and counts after 't', as in 't crease 2/1/0'");
+  Tag readTag(const std::vector<std::string_view>& words) const {
+    if (words.size() < 3) fail("expected a name and counts after 't', as in 't crease 2/1/0'");
     size_t counts[3] = {0, 0, 0};
     std::string_view rest = words[2];
-    for (int i = 0; i < 3; i++)
-    {
+    for (int i = 0; i < 3; i++) {
       const size_t slash = rest.find('/');
       counts[i] = number<unsigned>(rest.substr(0, slash));
-      if (slash == std::string_view::npos)
-      {
+      if (slash == std::string_view::npos) {
         rest = {};
         break;
       }
@@ -295,10 +236,8 @@ private:
            std::to_string(words.size() - 3));
     Tag tag;
     tag.name = words[1];
-    for (size_t i = 0; i < counts[0]; i++)
-      tag.ints.push_back(number<unsigned>(words[3 + i]));
-    for (size_t i = 0; i < counts[1]; i++)
-    {
+    for (size_t i = 0; i < counts[0]; i++) tag.ints.push_back(number<unsigned>(words[3 + i]));
+    for (size_t i = 0; i < counts[1]; i++) {
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
         fail("sharpness " + printable(words[3 + counts[0] + i]) + " is " +
@@ -309,8 +248,7 @@ private:
     return tag;
   }
 
-  float sharpness(const Tag& tag, size_t i, size_t n) const
-  {
+  float sharpness(const Tag& tag, size_t i, size_t n) const {
     if (tag.floats.size() != 1 && tag.floats.size() != n)
       fail("tag '" + tag.name + "' has " + std::to_string(tag.floats.size()) + " values of sharpness; expected 1 or " +
            std::to_string(n));
@@ -319,64 +257,48 @@ private:
 
   static std::string rule(const Tag& tag) { return tag.strings.empty() ? "" : tag.strings[0]; }
 
-  CreaseRule creaseRule(const Tag& tag) const
-  {
-    if (rule(tag) == "chaikin")
-      return CreaseRule::Chaikin;
+  CreaseRule creaseRule(const Tag& tag) const {
+    if (rule(tag) == "chaikin") return CreaseRule::Chaikin;
     if (rule(tag) != "normal" && rule(tag) != "uniform")
       fail("unknown method " + quoted(rule(tag)) + " of tag 'creasemethod'; expected normal or chaikin");
     return CreaseRule::Uniform;
   }
 
-  void tag(const std::vector<std::string_view>& words)
-  {
+  void tag(const std::vector<std::string_view>& words) {
     const Tag tag = readTag(words);
     const std::vector<unsigned>& ints = tag.ints;
-    if (tag.name == "crease")
-    {
+    if (tag.name == "crease") {
       if (ints.size() < 2 || ints.size() % 2)
         fail("tag 'crease' has " + std::to_string(ints.size()) + " vertices; expected pairs of vertices");
-      for (size_t i = 0; i < ints.size() / 2; i++)
-      {
+      for (size_t i = 0; i < ints.size() / 2; i++) {
         cage.creaseEdges.push_back({ints[2 * i], ints[2 * i + 1]});
         cage.creaseSharpness.push_back(sharpness(tag, i, ints.size() / 2));
       }
-    }
-    else if (tag.name == "corner")
-      for (size_t i = 0; i < ints.size(); i++)
-      {
+    } else if (tag.name == "corner")
+      for (size_t i = 0; i < ints.size(); i++) {
         cage.cornerVertices.push_back(ints[i]);
         cage.cornerSharpness.push_back(sharpness(tag, i, ints.size()));
       }
-    else if (tag.name == "hole")
-      cage.holes.insert(cage.holes.end(), ints.begin(), ints.end());
-    else if (tag.name == "interpolateboundary")
-    {
+    else if (tag.name == "hole") cage.holes.insert(cage.holes.end(), ints.begin(), ints.end());
+    else if (tag.name == "interpolateboundary") {
       if (ints.size() != 1 || ints[0] > 2)
         fail("tag 'interpolateboundary' has " +
              (ints.size() == 1 ? "the value " + std::to_string(ints[0]) : std::to_string(ints.size()) + " values") +
              "; expected one value: 0, 1 or 2");
       cage.boundary = BoundaryRule(ints[0]);
-    }
-    else if (tag.name == "creasemethod")
-      cage.creaseRule = creaseRule(tag);
-    else if (tag.name == "smoothtriangles")
-    {
+    } else if (tag.name == "creasemethod") cage.creaseRule = creaseRule(tag);
+    else if (tag.name == "smoothtriangles") {
       if (rule(tag) != "normal" && rule(tag) != "catmark")
         warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + printable(rule(tag)) +
                     "' is ignored: Embree supports only the normal rule\n";
-    }
-    else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which stay linear here
+    } else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which stay linear here
       fail("unknown tag " + quoted(tag.name) + ": expected crease, corner, hole, interpolateboundary or creasemethod");
   }
 
   /* At the end, because tags may precede the faces and vertices that they refer to. */
-  void finish()
-  {
-    if (cage.faceSizes.empty())
-      throw Error(name + ": no faces; expected at least one 'f' statement");
-    if (cage.uvIndices.empty())
-    {
+  void finish() {
+    if (cage.faceSizes.empty()) throw Error(name + ": no faces; expected at least one 'f' statement");
+    if (cage.uvIndices.empty()) {
       cage.uvs.clear();
       cage.lineWithoutUVs = 0;
     }
@@ -385,15 +307,12 @@ private:
         throw Error(name + ": a tag refers to " + what + " " + std::to_string(value) + ", but the file has " +
                     std::to_string(count) + ", counted from 0");
     };
-    for (auto [a, b] : cage.creaseEdges)
-    {
+    for (auto [a, b] : cage.creaseEdges) {
       check(a, cage.positions.size(), "vertex");
       check(b, cage.positions.size(), "vertex");
     }
-    for (unsigned v : cage.cornerVertices)
-      check(v, cage.positions.size(), "vertex");
-    for (unsigned f : cage.holes)
-      check(f, cage.faceSizes.size(), "face");
+    for (unsigned v : cage.cornerVertices) check(v, cage.positions.size(), "vertex");
+    for (unsigned f : cage.holes) check(f, cage.faceSizes.size(), "face");
   }
 
   std::istream& stream;
@@ -406,15 +325,12 @@ private:
 
 } // namespace
 
-Cage readObj(std::istream& stream, const std::string& name, std::string& warnings)
-{
+Cage readObj(std::istream& stream, const std::string& name, std::string& warnings) {
   return Parser(stream, name, warnings).run();
 }
 
-Cage readObj(const std::string& path, std::string& warnings)
-{
-  if (isPipe(path))
-  {
+Cage readObj(const std::string& path, std::string& warnings) {
+  if (isPipe(path)) {
     PipeInput pipe(path);
     std::istream stream(&pipe);
     return readObj(stream, path, warnings);
@@ -424,11 +340,9 @@ Cage readObj(const std::string& path, std::string& warnings)
   if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) // may have no end
     throw Error(path + ": this is a device: expected a file or a pipe");
   std::ifstream stream(path);
-  if (!stream)
-    throw Error(path + ": cannot be opened: expected a readable file");
+  if (!stream) throw Error(path + ": cannot be opened: expected a readable file");
   stream.peek(); // opening a directory succeeds, reading it fails
-  if (stream.bad())
-    throw Error(path + ": cannot be read: expected a file, not a folder");
+  if (stream.bad()) throw Error(path + ": cannot be read: expected a file, not a folder");
   return readObj(stream, path, warnings);
 }
 

@@ -8,15 +8,13 @@
 namespace cbvh {
 
 /* (u,v) as Embree reports them. */
-struct FacePoint
-{
+struct FacePoint {
   unsigned face;
   float u, v;
 };
 
 /* (u,v) are in [0,1]. */
-struct PatchPoint
-{
+struct PatchPoint {
   unsigned face, subPatch;
   double u, v;
 };

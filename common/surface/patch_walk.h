@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-class PatchWalk
-{
+class PatchWalk {
 public:
   /* Walks do not enter faces for which exists() is false. */
   PatchWalk(const Cage& cage, const std::function<bool(unsigned face)>& exists);
@@ -25,8 +24,7 @@ public:
   FacePoint toEmbree(const PatchPoint& p) const;
 
 private:
-  struct Crossing
-  {
+  struct Crossing {
     unsigned face, subPatch, edge;
     double t;     // along the edge, counterclockwise
     double scale; // of parameters

@@ -18,8 +18,7 @@ namespace cbvh {
 /* Samples of one byte with a maximum of 255 stay bytes. All others are floats: integers are divided by the file's
  * maximum, which is the attribute `maximumAttribute`, and floats are multiplied by the magnitude of the file's scale.
  * Row 0 is the top. */
-class PnmImage final : public OIIO::ImageInput
-{
+class PnmImage final : public OIIO::ImageInput {
 public:
   static constexpr const char* maximumAttribute = "pnm:maximum";
 

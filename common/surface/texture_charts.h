@@ -19,8 +19,7 @@
 
 namespace cbvh {
 
-class TextureCharts
-{
+class TextureCharts {
 public:
   /* `uvs`: one per corner of a face. */
   TextureCharts(const Cage& cage, const FaceBorders& faces, const std::vector<Vec2f>& uvs, const UdimTiles& tiles,
@@ -35,21 +34,18 @@ public:
 
   /* Where a chart ends, in coordinates of its image: (0,0) is the upper left corner, (1,1) the lower right. For points
    * q of the chart beside it, cross(b - a, q - a) is positive. */
-  struct End
-  {
+  struct End {
     Vec2f a, b;
   };
 
   /* Calls `function(End)` for all ends of a chart that may touch the box, some of them more than once. */
   template<typename Function>
-  void forEndsNear(unsigned chart, Vec2f lower, Vec2f upper, const Function& function) const
-  {
+  void forEndsNear(unsigned chart, Vec2f lower, Vec2f upper, const Function& function) const {
     const Grid& grid = grids[chart];
-    if (grid.columns == 0 || !(lower.x <= grid.upper.x && lower.y <= grid.upper.y && upper.x >= grid.lower.x &&
-                               upper.y >= grid.lower.y))
+    if (grid.columns == 0 ||
+        !(lower.x <= grid.upper.x && lower.y <= grid.upper.y && upper.x >= grid.lower.x && upper.y >= grid.lower.y))
       return;
-    for (int row = grid.row(lower.y); row <= grid.row(upper.y); row++)
-    {
+    for (int row = grid.row(lower.y); row <= grid.row(upper.y); row++) {
       const size_t first = grid.firstCell + size_t(row) * size_t(grid.columns);
       for (size_t i = firstEnd[first + size_t(grid.column(lower.x))];
            i < firstEnd[first + size_t(grid.column(upper.x)) + 1]; i++)
@@ -59,8 +55,7 @@ public:
 
 private:
   /* A chart's ends by position. */
-  struct Grid
-  {
+  struct Grid {
     Vec2f lower, upper;
     int columns = 0, rows = 0; // 0 if the chart does not end
     size_t firstCell = 0;
@@ -68,8 +63,7 @@ private:
     int column(float x) const { return cell(x, lower.x, upper.x, columns); }
     int row(float y) const { return cell(y, lower.y, upper.y, rows); }
 
-    static int cell(float x, float lower, float upper, int n)
-    {
+    static int cell(float x, float lower, float upper, int n) {
       const float at = (x - lower) / (upper - lower) * float(n);
       return at > 0.0f ? int(std::min(at, float(n - 1))) : 0; // also 0 if not a number
     }
@@ -83,7 +77,7 @@ private:
 
   std::vector<unsigned> charts; // per face
   unsigned numCharts = 0;
-  std::vector<char> mirrored;   // per face: clockwise, seen with v upward
+  std::vector<char> mirrored; // per face: clockwise, seen with v upward
   std::vector<char> differingEdges, differingCorners;
   std::vector<Grid> grids;      // per chart
   std::vector<size_t> firstEnd; // per cell, followed by the end

@@ -9,16 +9,14 @@
 namespace cbvh {
 
 /* How a map continues outside of its image. */
-enum class TextureWrap
-{
+enum class TextureWrap {
   Clamp,  // the nearest texel
   Repeat, // copies of the image
   Black,  // 0
 };
 
 /* In the order of TextureWrap. */
-inline const std::vector<std::string>& textureWrapNames()
-{
+inline const std::vector<std::string>& textureWrapNames() {
   static const std::vector<std::string> names{"clamp", "repeat", "black"};
   return names;
 }

@@ -13,30 +13,26 @@ namespace Sdc = OpenSubdiv::Sdc;
 
 namespace {
 
-Sdc::Options schemeOptions(const Cage& cage)
-{
+Sdc::Options schemeOptions(const Cage& cage) {
   Sdc::Options options;
   options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::None ? Sdc::Options::VTX_BOUNDARY_NONE
                                       : cage.boundary == BoundaryRule::EdgeAndCorner
-                                        ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
-                                        : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
-  if (cage.creaseRule == CreaseRule::Chaikin)
-    options.SetCreasingMethod(Sdc::Options::CREASE_CHAIKIN);
+                                          ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                                          : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+  if (cage.creaseRule == CreaseRule::Chaikin) options.SetCreasingMethod(Sdc::Options::CREASE_CHAIKIN);
   return options;
 }
 
 } // namespace
 
-std::unique_ptr<Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool validate)
-{
+std::unique_ptr<Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool validate) {
   const std::vector<int> sizes(cage.faceSizes.begin(), cage.faceSizes.end());
   const std::vector<Far::Index> indices(cage.faceIndices.begin(), cage.faceIndices.end());
   const std::vector<Far::Index> uvIndices(cage.uvIndices.begin(), cage.uvIndices.end());
   const std::vector<Far::Index> corners(cage.cornerVertices.begin(), cage.cornerVertices.end());
   const std::vector<Far::Index> holes(cage.holes.begin(), cage.holes.end());
   std::vector<Far::Index> creases;
-  for (auto [a, b] : cage.creaseEdges)
-  {
+  for (auto [a, b] : cage.creaseEdges) {
     creases.push_back(Far::Index(a));
     creases.push_back(Far::Index(b));
   }

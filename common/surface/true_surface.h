@@ -19,16 +19,14 @@
 
 namespace cbvh {
 
-struct TruePoint
-{
+struct TruePoint {
   PatchPoint at;
   Vec3d position;
   Vec3d du, dv; // du x dv is the geometric normal
 };
 
 /* One copy, in the frame of the model's cage. Thread-safe. */
-class TrueSurface
-{
+class TrueSurface {
 public:
   explicit TrueSurface(const Model& model, size_t copy = 0);
 
@@ -68,8 +66,7 @@ private:
 };
 
 /* One for all copies, or one per shape. Thread-safe. */
-class TrueSurfaces
-{
+class TrueSurfaces {
 public:
   explicit TrueSurfaces(const Model& model);
 

@@ -21,8 +21,7 @@ bool isUdimPath(const std::string& path);
 /* Calls recordInputFile for each file that UdimTiles::find returns, and throws as it does. */
 void recordMapFiles(const Cage& cage, const std::string& path);
 
-struct UdimTiles
-{
+struct UdimTiles {
   std::vector<std::string> paths; // existing files that faces use; the path itself without a placeholder
 
   /* Finds the files of the tiles at the middles of faces. Appends lines to `warnings` for tiles without a file,
@@ -39,7 +38,7 @@ struct UdimTiles
   Vec2f originOf(unsigned face) const { return isUdim() ? origins[face] : Vec2f{0, 0}; }
 
 private:
-  std::vector<int> images;    // per face; empty without a placeholder
+  std::vector<int> images; // per face; empty without a placeholder
   std::vector<Vec2f> origins;
 };
 

@@ -19,8 +19,7 @@ namespace cbvh {
 /* The most likely first. */
 const std::vector<std::string>& upAxes();
 
-struct UpGuess
-{
+struct UpGuess {
   std::string axis = "y";
   std::string reason; // for an axis other than y; completes "z is the up axis, because ..."
 };

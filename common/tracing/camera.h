@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-class Camera
-{
+class Camera {
 public:
   /* `fov` is the vertical field of view in degrees. */
   Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size);

@@ -10,8 +10,7 @@
 namespace cbvh {
 
 /* Part of a picture: columns x0 to x1 - 1 and rows y0 to y1 - 1; (0,0) is the upper left pixel. */
-struct Crop
-{
+struct Crop {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
   Crop() = default;

@@ -12,8 +12,7 @@
 namespace cbvh {
 
 /* Sets the mode of the thread that constructs it, until destruction. */
-class DenormalMode
-{
+class DenormalMode {
 public:
   explicit DenormalMode(bool areZero) : saved(control()) { setControl(areZero ? saved | zeroBits : saved & ~zeroBits); }
   ~DenormalMode() { setControl(saved); }
@@ -29,8 +28,7 @@ private:
 #elif defined(__aarch64__)
   using Control = uint64_t;
   static constexpr Control zeroBits = 1u << 24; // FZ: both
-  static Control control()
-  {
+  static Control control() {
     Control bits;
     asm volatile("mrs %0, fpcr" : "=r"(bits));
     return bits;
@@ -42,8 +40,7 @@ private:
 };
 
 /* Embree's manual recommends this for tracing. */
-struct FlushDenormals : DenormalMode
-{
+struct FlushDenormals : DenormalMode {
   FlushDenormals() : DenormalMode(true) {}
 };
 

@@ -12,8 +12,7 @@
 
 namespace cbvh {
 
-struct HitRecord
-{
+struct HitRecord {
   bool hit = false; // the only valid member for misses and any-hit queries
   unsigned geometry = 0, primitive = 0, instance = 0;
   float t = 0, u = 0, v = 0;
@@ -25,8 +24,7 @@ std::vector<HitRecord> recordHits(const TracedScene& scene, const std::vector<Ra
                                   const TraceSettings& settings);
 
 /* Rays with different hits in two libraries, each counted under its first difference. */
-struct HitDifferences
-{
+struct HitDifferences {
   size_t rays = 0;
   size_t hits = 0; // only one library hits
   size_t ids = 0;  // geometry, primitive or instance

@@ -5,8 +5,7 @@
 
 namespace cbvh {
 
-struct ImageSize
-{
+struct ImageSize {
   int width = 1024, height = 1024;
 };
 

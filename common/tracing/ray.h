@@ -7,8 +7,7 @@
 
 namespace cbvh {
 
-struct Ray
-{
+struct Ray {
   Vec3f origin;
   float tnear = 0.0f;
   Vec3f direction; // unit length unless documented otherwise, so that t is a distance

@@ -10,8 +10,7 @@
 
 namespace cbvh {
 
-inline void load(const Ray& ray, RTCRay& out)
-{
+inline void load(const Ray& ray, RTCRay& out) {
   out.org_x = ray.origin.x;
   out.org_y = ray.origin.y;
   out.org_z = ray.origin.z;
@@ -27,16 +26,14 @@ inline void load(const Ray& ray, RTCRay& out)
 }
 
 /* Sets the hit to a miss. */
-inline void load(const Ray& ray, RTCRayHit& out)
-{
+inline void load(const Ray& ray, RTCRayHit& out) {
   load(ray, out.ray);
   out.hit.Ng_x = out.hit.Ng_y = out.hit.Ng_z = out.hit.u = out.hit.v = 0.0f;
   out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
 template<typename RTCRayN>
-inline void load(const Ray& ray, RTCRayN& out, size_t i)
-{
+inline void load(const Ray& ray, RTCRayN& out, size_t i) {
   out.org_x[i] = ray.origin.x;
   out.org_y[i] = ray.origin.y;
   out.org_z[i] = ray.origin.z;

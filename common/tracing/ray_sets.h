@@ -32,8 +32,7 @@ std::vector<Ray> primaryRays(const Camera& camera, const Crop& part, Vec2f offse
  * the image. `primary` comes from primaryRays. */
 std::vector<Ray> coherentRays(const std::vector<Ray>& primary, ImageSize size, size_t count);
 
-struct BounceSettings
-{
+struct BounceSettings {
   size_t count = 0;    // at most, 0 for one per hit
   float offset = 0.0f; // from the surface along the geometric normal, world units
   uint32_t seed = 1;

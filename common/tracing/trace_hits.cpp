@@ -15,39 +15,31 @@ size_t chunkOf(const TracedScene& scene) { return scene.vulkan() ? vulkanChunk :
 
 } // namespace
 
-void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits)
-{
+void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits) {
   const FlushDenormals denormals;
   std::vector<RTCRayHit> batch(n);
-  for (size_t i = 0; i < n; i++)
-    load(rays[i], batch[i]);
+  for (size_t i = 0; i < n; i++) load(rays[i], batch[i]);
   scene.tracer().intersect(batch.data(), n);
-  for (size_t i = 0; i < n; i++)
-    hits[i] = scene.surfaceHit(batch[i]);
+  for (size_t i = 0; i < n; i++) hits[i] = scene.surfaceHit(batch[i]);
 }
 
-std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads)
-{
+std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads) {
   std::vector<SurfaceHit> hits(rays.size());
-  parallelFor(rays.size(), chunkOf(scene), threads, [&](size_t begin, size_t end) {
-    traceClosest(scene, end - begin, &rays[begin], &hits[begin]);
-  });
+  parallelFor(rays.size(), chunkOf(scene), threads,
+              [&](size_t begin, size_t end) { traceClosest(scene, end - begin, &rays[begin], &hits[begin]); });
   return hits;
 }
 
 size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>& rays,
-                                const std::vector<SurfaceHit>& hits, unsigned threads)
-{
+                                const std::vector<SurfaceHit>& hits, unsigned threads) {
   std::atomic<size_t> count{0};
   parallelFor(rays.size(), chunkOf(scene), threads, [&](size_t begin, size_t end) {
     const FlushDenormals denormals;
     std::vector<RTCRay> batch(end - begin);
-    for (size_t i = begin; i < end; i++)
-      load(rays[i], batch[i - begin]);
+    for (size_t i = begin; i < end; i++) load(rays[i], batch[i - begin]);
     scene.tracer().occluded(batch.data(), batch.size());
     size_t local = 0;
-    for (size_t i = begin; i < end; i++)
-      local += (batch[i - begin].tfar < 0.0f) != hits[i].hit();
+    for (size_t i = begin; i < end; i++) local += (batch[i - begin].tfar < 0.0f) != hits[i].hit();
     count += local;
   });
   return count;

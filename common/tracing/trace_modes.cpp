@@ -14,29 +14,19 @@ constexpr const char* modeNames[] = {"single", "packet4", "packet8", "packet16",
 
 } // namespace
 
-const char* queryName(Query query)
-{
-  return queryNames[query];
-}
+const char* queryName(Query query) { return queryNames[query]; }
 
-const char* traceModeName(TraceMode mode)
-{
-  return modeNames[size_t(mode)];
-}
+const char* traceModeName(TraceMode mode) { return modeNames[size_t(mode)]; }
 
-Query parseQuery(const std::string& name)
-{
+Query parseQuery(const std::string& name) {
   for (int i = 0; i < numQueries; i++)
-    if (name == queryNames[i])
-      return Query(i);
+    if (name == queryNames[i]) return Query(i);
   throw Error("unknown query '" + name + "': expected closest or any");
 }
 
-TraceMode parseTraceMode(const std::string& name)
-{
+TraceMode parseTraceMode(const std::string& name) {
   for (size_t i = 0; i < std::size(modeNames); i++)
-    if (name == modeNames[i])
-      return TraceMode(i);
+    if (name == modeNames[i]) return TraceMode(i);
   throw Error("unknown mode '" + name + "': expected single, packet4, packet8, packet16 or stream");
 }
 

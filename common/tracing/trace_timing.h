@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-struct TraceSettings
-{
+struct TraceSettings {
   Query query = Closest;
   TraceMode mode = TraceMode::Single;
   bool coherent = false; // the flag that Embree receives
@@ -20,8 +19,7 @@ struct TraceSettings
   unsigned passes = 1;   // over the rays, for short measurements
 };
 
-struct TraceTiming
-{
+struct TraceTiming {
   /* Per pass, including filling Embree's ray structs but not starting threads. One thread: processor time, because
    * other programs disturb it less. Several: wall-clock time. Vulkan: the device's clock, without copies. */
   double seconds = 0;

@@ -74,29 +74,30 @@ extern "C" {
 /* Default values of members in C++: sizeof for structSize, otherwise zero. C has none. CBVH_ZERO14 is for structs that
  * begin without structSize, which stay aggregates in C++11. */
 #if defined(__cplusplus)
-#  define CBVH_SIZE_OF(type) = sizeof(type)
-#  define CBVH_ZERO {}
+#define CBVH_SIZE_OF(type) = sizeof(type)
+#define CBVH_ZERO \
+  {}
 #else
-#  define CBVH_SIZE_OF(type)
-#  define CBVH_ZERO
+#define CBVH_SIZE_OF(type)
+#define CBVH_ZERO
 #endif
 #if defined(__cplusplus) && __cplusplus >= 201402L
-#  define CBVH_ZERO14 {}
+#define CBVH_ZERO14 \
+  {}
 #else
-#  define CBVH_ZERO14
+#define CBVH_ZERO14
 #endif
 
 /* Result of a call. Any code other than CBVH_OK means that the call failed, or, from cbvhCommitGroup, that parts of a
  * surface are missing. cbvhGetErrorText returns the reason. */
-enum CbvhError
-{
+enum CbvhError {
   CBVH_OK = 0,
   CBVH_ERROR_UNKNOWN = 1,           /* a failure that has no code of its own */
   CBVH_ERROR_INVALID_ARGUMENT = 2,  /* an argument, a member of a struct or a file is invalid */
   CBVH_ERROR_INVALID_OPERATION = 3, /* the state of the object does not allow the call, or writing a file failed */
   CBVH_ERROR_OUT_OF_MEMORY = 4,
-  CBVH_ERROR_UNSUPPORTED_CPU = 5,   /* returned by cbvhNewContext only */
-  CBVH_ERROR_CANCELLED = 6          /* returned by cbvhCommitSurface only */
+  CBVH_ERROR_UNSUPPORTED_CPU = 5, /* returned by cbvhNewContext only */
+  CBVH_ERROR_CANCELLED = 6        /* returned by cbvhCommitSurface only */
 };
 
 /* Returns the message of the last error on the calling thread, or an empty text if there was none. Valid until the next
@@ -132,7 +133,7 @@ typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char
  * CBVH_ERROR_UNSUPPORTED_CPU if the CPU lacks the instruction set that the library requires or that the settings
  * select. */
 CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr,
-    CbvhContext* context);
+                                       CbvhContext* context);
 CBVH_API void cbvhRetainContext(CbvhContext context);
 CBVH_API void cbvhReleaseContext(CbvhContext context);
 
@@ -143,12 +144,11 @@ typedef struct CbvhSurfaceTy* CbvhSurface;
 /* Positions of vertices at each time step, three floats each. cbvhSetSurfaceCage copies them. For grids and meshes the
  * library reads the caller's arrays until the surface is committed; as in Embree, the 4 bytes after the last vertex of
  * each time step must then be readable. */
-struct CbvhVertices
-{
+struct CbvhVertices {
   size_t numVertices CBVH_ZERO14;
-  size_t stride CBVH_ZERO14;              /* bytes from one vertex to the next, a multiple of 4, at least 12 */
-  const float* const* steps CBVH_ZERO14;  /* one pointer per time step */
-  unsigned int numSteps CBVH_ZERO14;      /* 1 for a surface that does not move, otherwise up to 129 */
+  size_t stride CBVH_ZERO14;             /* bytes from one vertex to the next, a multiple of 4, at least 12 */
+  const float* const* steps CBVH_ZERO14; /* one pointer per time step */
+  unsigned int numSteps CBVH_ZERO14;     /* 1 for a surface that does not move, otherwise up to 129 */
   float startTime CBVH_ZERO14, endTime CBVH_ZERO14; /* times of the first and the last step, finite, startTime <
                                                      * endTime. Steps are evenly spaced. Vertices are interpolated
                                                      * linearly between steps. Outside of the time range there is no
@@ -161,10 +161,9 @@ struct CbvhVertices
  * points, read and written. Ng: their normals, of length 1, or 0 where the surface has no normal. u, v: parameters on
  * the face, as for cbvhInterpolateAttribute. Each coordinate has an array of its own. Several threads call the function
  * at the same time. */
-struct CbvhDisplacementArguments
-{
+struct CbvhDisplacementArguments {
   void* userPtr;
-  unsigned int primID;        /* the face */
+  unsigned int primID; /* the face */
   unsigned int timeStep;
   const float *u, *v;
   const float *Ng_x, *Ng_y, *Ng_z;
@@ -173,8 +172,7 @@ struct CbvhDisplacementArguments
 };
 typedef void (*CbvhDisplacementFunction)(const struct CbvhDisplacementArguments* args);
 
-enum CbvhBoundary
-{
+enum CbvhBoundary {
   CBVH_BOUNDARY_SMOOTH = 0,       /* borders are smooth curves */
   CBVH_BOUNDARY_PIN_CORNERS = 1,  /* the same, but through vertices that belong to one face only */
   CBVH_BOUNDARY_PIN_BOUNDARY = 2, /* vertices on borders do not move */
@@ -183,65 +181,61 @@ enum CbvhBoundary
 
 /* Values at the corners of faces for cbvhInterpolateAttribute, for example texture coordinates. cbvhSetSurfaceCage
  * copies them. They are subdivided with the creases and corners of the cage. */
-struct CbvhAttribute
-{
+struct CbvhAttribute {
   const float* values CBVH_ZERO14;
   size_t numValues CBVH_ZERO14;
-  size_t stride CBVH_ZERO14;                /* bytes from one value to the next, a multiple of 4, at least 4*width */
-  unsigned int width CBVH_ZERO14;           /* floats per value, 1 to 16 */
-  const unsigned int* indices CBVH_ZERO14;  /* of values, one for each corner of each face. NULL: the indices of the
-                                             * vertices */
-  enum CbvhBoundary boundary CBVH_ZERO14;   /* of the values. Ignored if indices is NULL: the boundary of the cage
-                                             * holds */
+  size_t stride CBVH_ZERO14;               /* bytes from one value to the next, a multiple of 4, at least 4*width */
+  unsigned int width CBVH_ZERO14;          /* floats per value, 1 to 16 */
+  const unsigned int* indices CBVH_ZERO14; /* of values, one for each corner of each face. NULL: the indices of the
+                                            * vertices */
+  enum CbvhBoundary boundary CBVH_ZERO14;  /* of the values. Ignored if indices is NULL: the boundary of the cage
+                                            * holds */
 };
 
 /* A control cage for Catmull-Clark subdivision. Set structSize and zero all other members first, as default member
  * initializers do in C++. */
-struct CbvhCage
-{
+struct CbvhCage {
   size_t structSize CBVH_SIZE_OF(CbvhCage);
-  size_t numFaces CBVH_ZERO;                       /* below 2^32 - 1, as numIndices */
-  const unsigned int* faceVertexCounts CBVH_ZERO;  /* number of vertices of each face, at least 3 */
-  size_t numIndices CBVH_ZERO;                     /* sum of faceVertexCounts */
-  const unsigned int* indices CBVH_ZERO;           /* of vertices, face by face */
+  size_t numFaces CBVH_ZERO;                      /* below 2^32 - 1, as numIndices */
+  const unsigned int* faceVertexCounts CBVH_ZERO; /* number of vertices of each face, at least 3 */
+  size_t numIndices CBVH_ZERO;                    /* sum of faceVertexCounts */
+  const unsigned int* indices CBVH_ZERO;          /* of vertices, face by face */
   struct CbvhVertices vertices CBVH_ZERO;
 
-  float rate CBVH_ZERO;          /* quads along each edge, 1 to 4096. Ignored if rates is not NULL */
-  const float* rates CBVH_ZERO;  /* quads along each edge from a vertex of a face to the next, 1 to 4096, one entry
-                                  * per index. NULL: rate holds for all edges */
+  float rate CBVH_ZERO;         /* quads along each edge, 1 to 4096. Ignored if rates is not NULL */
+  const float* rates CBVH_ZERO; /* quads along each edge from a vertex of a face to the next, 1 to 4096, one entry
+                                 * per index. NULL: rate holds for all edges */
   enum CbvhBoundary boundary CBVH_ZERO;
 
   size_t numCreases CBVH_ZERO;
-  const unsigned int* creases CBVH_ZERO;   /* two vertices each */
-  const float* creaseSharpness CBVH_ZERO;  /* one entry per crease, 0 to infinity, a sharp edge. 10 and more mean
-                                            * infinity, also for corners, as in OpenSubdiv and USD */
+  const unsigned int* creases CBVH_ZERO;  /* two vertices each */
+  const float* creaseSharpness CBVH_ZERO; /* one entry per crease, 0 to infinity, a sharp edge. 10 and more mean
+                                           * infinity, also for corners, as in OpenSubdiv and USD */
   size_t numCorners CBVH_ZERO;
-  const unsigned int* corners CBVH_ZERO;   /* vertices */
-  const float* cornerSharpness CBVH_ZERO;  /* one entry per corner, 0 to infinity */
+  const unsigned int* corners CBVH_ZERO;  /* vertices */
+  const float* cornerSharpness CBVH_ZERO; /* one entry per corner, 0 to infinity */
   size_t numHoles CBVH_ZERO;
-  const unsigned int* holes CBVH_ZERO;     /* numHoles faces that are left out */
+  const unsigned int* holes CBVH_ZERO; /* numHoles faces that are left out */
 
-  CbvhDisplacementFunction displacement CBVH_ZERO;  /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
-  void* displacementUserPtr CBVH_ZERO;              /* passed to the displacement function. Must be valid until the
-                                                     * commit */
+  CbvhDisplacementFunction displacement CBVH_ZERO; /* called by cbvhDiceSurface and cbvhCommitSurface. NULL: none */
+  void* displacementUserPtr CBVH_ZERO;             /* passed to the displacement function. Must be valid until the
+                                                    * commit */
 
   size_t numAttributes CBVH_ZERO;
   const struct CbvhAttribute* attributes CBVH_ZERO;
 };
 
 /* A grid of vertices in row-major order, in the layout of RTCGrid. */
-struct CbvhGrid
-{
-  unsigned int startVertexID;       /* first vertex */
-  unsigned int stride;              /* number of vertices from one row to the next */
-  unsigned short width, height;     /* in vertices. A grid of less than 2 x 2 vertices has no quads */
+struct CbvhGrid {
+  unsigned int startVertexID;   /* first vertex */
+  unsigned int stride;          /* number of vertices from one row to the next */
+  unsigned short width, height; /* in vertices. A grid of less than 2 x 2 vertices has no quads */
 };
 
 /* Grids of vertices, for example diced patches. */
-struct CbvhGrids
-{
+struct CbvhGrids {
   size_t structSize CBVH_SIZE_OF(CbvhGrids);
-  size_t numGrids CBVH_ZERO;  /* below 2^32 - 1 */
+  size_t numGrids CBVH_ZERO; /* below 2^32 - 1 */
   const struct CbvhGrid* grids CBVH_ZERO;
   struct CbvhVertices vertices CBVH_ZERO;
 };
@@ -249,55 +243,52 @@ struct CbvhGrids
 /* Quads or triangles, in any order. The library stores the parts of a mesh in which quads form grids as grids, and the
  * remaining triangles in mesh blocks. Two triangles that share an edge can form a quad. Vertices with equal positions
  * count as one. Quads and triangles with an index past the vertices are left out. */
-struct CbvhMesh
-{
+struct CbvhMesh {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);
-  unsigned int verticesPerFace CBVH_ZERO;  /* 4: quads, 3: triangles */
-  size_t numFaces CBVH_ZERO;               /* number of quads or triangles, below 2^32 - 1 */
-  const unsigned int* indices CBVH_ZERO;   /* of vertices, `verticesPerFace` per quad or triangle */
+  unsigned int verticesPerFace CBVH_ZERO; /* 4: quads, 3: triangles */
+  size_t numFaces CBVH_ZERO;              /* number of quads or triangles, below 2^32 - 1 */
+  const unsigned int* indices CBVH_ZERO;  /* of vertices, `verticesPerFace` per quad or triangle */
   struct CbvhVertices vertices CBVH_ZERO;
 };
 
 /* A camera, and the size of quads in its picture. If all members but structSize, position and pixelSize are zero, quads
  * have the size of a pixel, and everything around the camera counts as inside of the picture. */
-struct CbvhDicingArguments
-{
+struct CbvhDicingArguments {
   size_t structSize CBVH_SIZE_OF(CbvhDicingArguments);
-  float position[3] CBVH_ZERO;              /* in world space. For an orthographic camera, only pixelSize and the
-                                             * region of the picture matter */
-  float direction[3] CBVH_ZERO;             /* towards the center of the picture, of any length */
-  float up[3] CBVH_ZERO;                    /* up direction of the picture, of any length, not parallel to direction */
-  int orthographic CBVH_ZERO;               /* 0: a perspective camera */
-  float pixelSize CBVH_ZERO;                /* width of a pixel at distance 1; for an orthographic camera at any
-                                             * distance. Positive */
-  float width CBVH_ZERO, height CBVH_ZERO;  /* of the picture in pixels. 0: direction and up are ignored */
-  const float* transform CBVH_ZERO;         /* from the surface's space to world space: 12 floats, column by column.
-                                             * NULL: the identity */
-  float quadSize CBVH_ZERO;                 /* target length of the edges of quads in pixels. 0: 1 */
-  float outsideFactor CBVH_ZERO;            /* factor of quadSize far outside of the picture and behind the camera,
-                                             * at least 1. 0: 8 */
-  float maxRate CBVH_ZERO;                  /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
-  const float* maxRates CBVH_ZERO;          /* further bound for each edge, for example the number of texels along
-                                             * it: one entry per index, at least 1. An edge of two faces gets the
-                                             * higher of their rates. NULL: only maxRate holds */
+  float position[3] CBVH_ZERO;             /* in world space. For an orthographic camera, only pixelSize and the
+                                            * region of the picture matter */
+  float direction[3] CBVH_ZERO;            /* towards the center of the picture, of any length */
+  float up[3] CBVH_ZERO;                   /* up direction of the picture, of any length, not parallel to direction */
+  int orthographic CBVH_ZERO;              /* 0: a perspective camera */
+  float pixelSize CBVH_ZERO;               /* width of a pixel at distance 1; for an orthographic camera at any
+                                            * distance. Positive */
+  float width CBVH_ZERO, height CBVH_ZERO; /* of the picture in pixels. 0: direction and up are ignored */
+  const float* transform CBVH_ZERO;        /* from the surface's space to world space: 12 floats, column by column.
+                                            * NULL: the identity */
+  float quadSize CBVH_ZERO;                /* target length of the edges of quads in pixels. 0: 1 */
+  float outsideFactor CBVH_ZERO;           /* factor of quadSize far outside of the picture and behind the camera,
+                                            * at least 1. 0: 8 */
+  float maxRate CBVH_ZERO;                 /* largest number of quads along an edge, 1 to 4096. 0: 4096 */
+  const float* maxRates CBVH_ZERO;         /* further bound for each edge, for example the number of texels along
+                                            * it: one entry per index, at least 1. An edge of two faces gets the
+                                            * higher of their rates. NULL: only maxRate holds */
 };
 
 /* Bounds of the error of stored vertices. If both bounds are zero, the spacing of the lattice is at most 1/36 of the
  * median edge of quads for cages, 1/512 for grids, and 1/2048 for meshes. See also cbvhSetSurfaceLossless. */
-struct CbvhAccuracy
-{
+struct CbvhAccuracy {
   size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
-  float maxError CBVH_ZERO;           /* in units of the vertices: largest spacing of the lattice. The spacing is a
-                                       * power of two, and coordinates that are multiples of it do not move. A vertex
-                                       * moves by at most half a spacing on each axis, which is 0.866 spacings in space.
-                                       * If it lies on an edge of a coarser grid, it moves with that edge, by at most
-                                       * maxError. 0: the bound in the settings of the context, where 0 is lossless.
-                                       * If they have none, there is no bound besides maxPixelError and the default
-                                       * above */
-  float maxPixelError CBVH_ZERO;      /* the same bound in pixels of a camera. 0: no bound. If both bounds are set,
-                                       * the smaller one holds */
-  float cameraPosition[3] CBVH_ZERO;  /* in the space of the vertices */
-  float pixelSize CBVH_ZERO;          /* width of a pixel at distance 1. Positive if maxPixelError is not 0 */
+  float maxError CBVH_ZERO;          /* in units of the vertices: largest spacing of the lattice. The spacing is a
+                                      * power of two, and coordinates that are multiples of it do not move. A vertex
+                                      * moves by at most half a spacing on each axis, which is 0.866 spacings in space.
+                                      * If it lies on an edge of a coarser grid, it moves with that edge, by at most
+                                      * maxError. 0: the bound in the settings of the context, where 0 is lossless.
+                                      * If they have none, there is no bound besides maxPixelError and the default
+                                      * above */
+  float maxPixelError CBVH_ZERO;     /* the same bound in pixels of a camera. 0: no bound. If both bounds are set,
+                                      * the smaller one holds */
+  float cameraPosition[3] CBVH_ZERO; /* in the space of the vertices */
+  float pixelSize CBVH_ZERO;         /* width of a pixel at distance 1. Positive if maxPixelError is not 0 */
 };
 
 /* Creates a surface without input.
@@ -404,15 +395,14 @@ CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
  * Returns CBVH_ERROR_INVALID_ARGUMENT for an attribute, a face or parameters that the cage does not have, and
  * CBVH_ERROR_INVALID_OPERATION if the surface is not committed. */
 CBVH_API enum CbvhError cbvhInterpolateAttribute(CbvhSurface surface, unsigned int primID, float u, float v,
-    unsigned int attribute, float* P, float* dPdu, float* dPdv);
+                                                 unsigned int attribute, float* P, float* dPdu, float* dPdv);
 
 /* Points on one face, for cbvhInterpolateAttributeAtPoints. */
-struct CbvhInterpolationPoints
-{
+struct CbvhInterpolationPoints {
   size_t structSize CBVH_SIZE_OF(CbvhInterpolationPoints);
   unsigned int primID CBVH_ZERO, attribute CBVH_ZERO;
   size_t count CBVH_ZERO;
-  const float *u CBVH_ZERO, *v CBVH_ZERO;  /* parameters of the points, as for a displacement function */
+  const float *u CBVH_ZERO, *v CBVH_ZERO;               /* parameters of the points, as for a displacement function */
   float *P CBVH_ZERO, *dPdu CBVH_ZERO, *dPdv CBVH_ZERO; /* written: count values of the attribute's width, without
                                                          * gaps. Each may be NULL */
 };
@@ -425,7 +415,7 @@ struct CbvhInterpolationPoints
  * Returns errors as cbvhInterpolateAttribute. The message names the first point with invalid parameters; nothing is
  * written then. */
 CBVH_API enum CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface,
-    const struct CbvhInterpolationPoints* points);
+                                                         const struct CbvhInterpolationPoints* points);
 
 /* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface loads the file, and so does
  * rtcLoadCompressedGeometry of Embree CBVH. An existing file is replaced after everything is written: a crash or a full
@@ -530,19 +520,18 @@ CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]
 #define CBVH_NONE ((size_t)-1)
 
 /* Memory and size of a group. */
-struct CbvhGroupStatistics
-{
+struct CbvhGroupStatistics {
   size_t structSize CBVH_SIZE_OF(CbvhGroupStatistics);
-  size_t bytes CBVH_ZERO;                  /* memory of the tree and all blocks, including blocks that groups share,
-                                            * without the attributes of cages */
-  size_t numQuads CBVH_ZERO;               /* of the tessellation; two triangles of a mesh count as a quad */
-  size_t numMovingQuads CBVH_ZERO;         /* quads with several time steps */
-  size_t numInvalidQuads CBVH_ZERO;        /* quads that were left out because a vertex is not finite, or an index of
-                                            * a mesh is past the vertices */
-  float maxVertexDeviation CBVH_ZERO;      /* world units: largest distance by which a vertex was moved */
-  size_t firstInvalidSurface CBVH_ZERO;    /* if numInvalidQuads is not 0: index of the first surface with such quads
-                                            * that was not loaded from a file, or CBVH_NONE */
-  size_t firstInvalidPrimitive CBVH_ZERO;  /* its first face, grid, quad or triangle with such quads, or CBVH_NONE */
+  size_t bytes CBVH_ZERO;                 /* memory of the tree and all blocks, including blocks that groups share,
+                                           * without the attributes of cages */
+  size_t numQuads CBVH_ZERO;              /* of the tessellation; two triangles of a mesh count as a quad */
+  size_t numMovingQuads CBVH_ZERO;        /* quads with several time steps */
+  size_t numInvalidQuads CBVH_ZERO;       /* quads that were left out because a vertex is not finite, or an index of
+                                           * a mesh is past the vertices */
+  float maxVertexDeviation CBVH_ZERO;     /* world units: largest distance by which a vertex was moved */
+  size_t firstInvalidSurface CBVH_ZERO;   /* if numInvalidQuads is not 0: index of the first surface with such quads
+                                           * that was not loaded from a file, or CBVH_NONE */
+  size_t firstInvalidPrimitive CBVH_ZERO; /* its first face, grid, quad or triangle with such quads, or CBVH_NONE */
 };
 
 /* Returns the statistics of the last commit of a group, which the commit computed.
@@ -556,8 +545,7 @@ CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhGroup
 
 /* The layout of RTCRay and RTCHit of Embree 3 and 4, without the last member of Embree 4's RTCHit. Aligned to 16
  * bytes. Distances are in lengths of the direction, which may be 1e-20 to 1e18. */
-struct CBVH_ALIGNED CbvhRay
-{
+struct CBVH_ALIGNED CbvhRay {
   float org_x, org_y, org_z, tnear; /* tnear: smallest distance of hits, not negative */
   float dir_x, dir_y, dir_z, time;  /* time: 0 to 1, for surfaces that move, otherwise ignored. Rays at other times may
                                      * miss */
@@ -567,15 +555,13 @@ struct CBVH_ALIGNED CbvhRay
   unsigned int id, flags;           /* not read. Filter functions receive them */
 };
 
-struct CBVH_ALIGNED CbvhHit
-{
-  float Ng_x, Ng_y, Ng_z;         /* normal of the triangle, of any length */
-  float u, v;                     /* parameters on the primitive */
+struct CBVH_ALIGNED CbvhHit {
+  float Ng_x, Ng_y, Ng_z;              /* normal of the triangle, of any length */
+  float u, v;                          /* parameters on the primitive */
   unsigned int primID, geomID, instID; /* geomID: index of the surface in its group. instID: not written */
 };
 
-struct CBVH_ALIGNED CbvhRayHit
-{
+struct CBVH_ALIGNED CbvhRayHit {
   struct CbvhRay ray;
   struct CbvhHit hit;
 };
@@ -585,27 +571,24 @@ struct CBVH_ALIGNED CbvhRayHit
  * tfar of a ray is the distance of its hit. valid: -1 for each hit, otherwise 0; the function sets it to 0 to reject
  * the hit. As in Embree, the function may change Ng, u, v and primID of a hit that it accepts, and decrease tfar. It
  * must not change anything else. It may trace other rays. */
-struct CbvhFilterArguments
-{
+struct CbvhFilterArguments {
   int* valid;
-  void* userPtr;               /* the filterUserPtr of the query */
+  void* userPtr; /* the filterUserPtr of the query */
   void *rays, *hits;
   unsigned int count;
 };
 typedef void (*CbvhFilterFunction)(const struct CbvhFilterArguments* args);
 
-enum CbvhQueryFlags
-{
+enum CbvhQueryFlags {
   CBVH_QUERY_FLAG_COHERENT = 1 /* the rays of a packet have similar origins and directions */
 };
 
 /* Options of a query. */
-struct CbvhQuery
-{
+struct CbvhQuery {
   size_t structSize CBVH_SIZE_OF(CbvhQuery);
-  unsigned int flags CBVH_ZERO;         /* bits of CbvhQueryFlags, all others 0 */
-  CbvhFilterFunction filter CBVH_ZERO;  /* called on the tracing thread. NULL: every hit counts */
-  void* filterUserPtr CBVH_ZERO;        /* passed to the filter function */
+  unsigned int flags CBVH_ZERO;        /* bits of CbvhQueryFlags, all others 0 */
+  CbvhFilterFunction filter CBVH_ZERO; /* called on the tracing thread. NULL: every hit counts */
+  void* filterUserPtr CBVH_ZERO;       /* passed to the filter function */
 };
 
 /* Find closest hits. If a ray hits a surface at a distance from tnear to tfar, tfar becomes this distance, and the hit
@@ -639,11 +622,10 @@ CBVH_API unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* ra
 /* --- access to stored triangles ---------------------------------------------------------- */
 
 /* A stored triangle. */
-struct CbvhTriangle
-{
-  float vertices[3][3];        /* x, y, z */
-  float u[3], v[3];            /* parameters of the vertices on the primitive; u and v of hits are interpolated from
-                                * them */
+struct CbvhTriangle {
+  float vertices[3][3]; /* x, y, z */
+  float u[3], v[3];     /* parameters of the vertices on the primitive; u and v of hits are interpolated from
+                         * them */
 };
 
 /* Finds the triangle of a hit. The first call after a commit builds an index with 16 bytes per block; for meshes it has
@@ -661,20 +643,19 @@ struct CbvhTriangle
  * outside of the time range, and on errors. The error function is called if the surface is not committed, or if its
  * file has a damaged block or stores no triangles. */
 CBVH_API int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
-    struct CbvhTriangle* triangle);
+                              struct CbvhTriangle* triangle);
 
 /* A part of a surface: a grid of up to 16 x 16 quads. Quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1),
  * (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats.
  *
  * An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which the second triangle,
  * or the first one, may be missing. A missing triangle has two equal vertices. */
-struct CbvhPart
-{
-  unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
-  unsigned int width, height;  /* in vertices */
-  const float* vertices;       /* x, y, z of each vertex, row by row. Triangles with a NaN are left out */
-  const float* parameters;     /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
-  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad; NULL if that is 0 */
+struct CbvhPart {
+  unsigned int primID;            /* primitive of all quads, if primitivesPerQuad is 0 */
+  unsigned int width, height;     /* in vertices */
+  const float* vertices;          /* x, y, z of each vertex, row by row. Triangles with a NaN are left out */
+  const float* parameters;        /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
+  const unsigned int* primIDs;    /* row by row, primitivesPerQuad entries per quad; NULL if that is 0 */
   unsigned int primitivesPerQuad; /* 0: cages and grids. 1: meshes of quads. 2: meshes of triangles; the second
                                    * primitive is the first one again if the quad has one triangle */
 };
@@ -696,17 +677,15 @@ CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPar
 
 /* --- clusters that GPUs read: docs/formats/clusters.md describes them and names the specifications ---- */
 
-enum CbvhClusterFormat
-{
-  CBVH_CLUSTER_FORMAT_FLOAT3 = 0, /* x, y, z of each vertex as floats */
+enum CbvhClusterFormat {
+  CBVH_CLUSTER_FORMAT_FLOAT3 = 0,      /* x, y, z of each vertex as floats */
   CBVH_CLUSTER_FORMAT_COMPRESSED1 = 1, /* header and vertices of D3D12_VERTEX_FORMAT_COMPRESSED1 (DirectX Raytracing),
                                         * padded to a multiple of 4 bytes */
-  CBVH_CLUSTER_FORMAT_DGF1 = 2  /* a block of 128 bytes of AMD's Dense Geometry Format, including the topology */
+  CBVH_CLUSTER_FORMAT_DGF1 = 2         /* a block of 128 bytes of AMD's Dense Geometry Format, including the topology */
 };
 
 /* Reason why a cluster stores floats instead of the requested format. */
-enum CbvhClusterReason
-{
+enum CbvhClusterReason {
   CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
   CBVH_CLUSTER_REASON_FLOATS = 1,      /* the block stores floats, or more than 14 bits on an axis, and no lattice of
                                         * the format represents these vertices */
@@ -717,35 +696,33 @@ enum CbvhClusterReason
 };
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; for DGF up to 32 quads with 64 of both. */
-struct CbvhCluster
-{
+struct CbvhCluster {
   enum CbvhClusterFormat format; /* of data: the requested format, or CBVH_CLUSTER_FORMAT_FLOAT3 */
   enum CbvhClusterReason reason;
   unsigned int numVertices, numTriangles;
-  const void* data;              /* aligned to 4 bytes */
-  size_t bytes;                  /* of data */
-  const unsigned char* indices;  /* three vertices for each triangle; with DGF in the order in which a decoder emits
-                                  * them */
+  const void* data;             /* aligned to 4 bytes */
+  size_t bytes;                 /* of data */
+  const unsigned char* indices; /* three vertices for each triangle; with DGF in the order in which a decoder emits
+                                 * them */
   const unsigned int* triangleNumbers; /* number in the part of each triangle: 2 ((width-1) y + x) for the first
                                         * triangle of quad x, y, and 1 more for its second */
-  unsigned int firstTriangle;    /* number of triangles in all clusters before. With DGF the primitive indices of the
-                                  * block start here */
-  unsigned int width, height;    /* in vertices, row by row, if the cluster is a complete grid: all clusters of this
-                                  * size have the same indices. 0, 0 otherwise and with DGF */
-  const struct CbvhPart* part;   /* the part that contains the cluster: parameters and primIDs */
+  unsigned int firstTriangle;  /* number of triangles in all clusters before. With DGF the primitive indices of the
+                                * block start here */
+  unsigned int width, height;  /* in vertices, row by row, if the cluster is a complete grid: all clusters of this
+                                * size have the same indices. 0, 0 otherwise and with DGF */
+  const struct CbvhPart* part; /* the part that contains the cluster: parameters and primIDs */
 };
 
 /* Totals over clusters. */
-struct CbvhClusterStatistics
-{
+struct CbvhClusterStatistics {
   size_t structSize CBVH_SIZE_OF(CbvhClusterStatistics);
   size_t numClusters CBVH_ZERO, numTriangles CBVH_ZERO;
-  size_t numVertices CBVH_ZERO;              /* shared vertices count once for each cluster */
-  size_t bytes CBVH_ZERO;                    /* of data */
-  size_t indexBytes CBVH_ZERO;               /* of the indices of clusters that are not complete grids, 3 bytes per
-                                              * triangle. 0 for DGF, whose blocks contain indices */
-  size_t numClustersByReason[8] CBVH_ZERO;   /* index: a CbvhClusterReason. Other entries are 0 */
-  size_t numTrianglesByReason[8] CBVH_ZERO;  /* the same */
+  size_t numVertices CBVH_ZERO;             /* shared vertices count once for each cluster */
+  size_t bytes CBVH_ZERO;                   /* of data */
+  size_t indexBytes CBVH_ZERO;              /* of the indices of clusters that are not complete grids, 3 bytes per
+                                             * triangle. 0 for DGF, whose blocks contain indices */
+  size_t numClustersByReason[8] CBVH_ZERO;  /* index: a CbvhClusterReason. Other entries are 0 */
+  size_t numTrianglesByReason[8] CBVH_ZERO; /* the same */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning 0 ends the enumeration. */
@@ -771,7 +748,8 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block or stores no
  * triangles, or if it has more than 2^32 triangles, or more than the 29-bit primitive indices of DGF can count. */
 CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format,
-    CbvhClusterFunction function, void* userPtr, struct CbvhClusterStatistics* statistics);
+                                           CbvhClusterFunction function, void* userPtr,
+                                           struct CbvhClusterStatistics* statistics);
 
 #if defined(__cplusplus)
 }

@@ -34,8 +34,7 @@ extern "C" {
 #endif
 
 /* Flags of cbvhNewGeometry. Without flags, rays are fastest, and no filter functions are called. */
-enum CbvhGeometryFlags
-{
+enum CbvhGeometryFlags {
   /* Calls the filter functions of the geometry, with Embree 3 also the filter functions of contexts. Each call has one
    * hit. As in Embree, a filter may change an accepted hit and decrease tfar. Changes of geomID and instID have no
    * effect. */
@@ -50,8 +49,7 @@ enum CbvhGeometryFlags
 #if RTC_VERSION_MAJOR >= 4
 /* Query context with a filter function, see CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS. Pass the address of `context` to
  * Embree. */
-struct CbvhFilterContext
-{
+struct CbvhFilterContext {
   struct RTCRayQueryContext context; /* call rtcInitRayQueryContext first */
   RTCFilterFunctionN filter;         /* called with one hit at a time. NULL: every hit counts */
 };
@@ -64,24 +62,25 @@ typedef struct RTCIntersectContext CbvhInternalContext;
 
 typedef unsigned int __attribute__((may_alias)) CbvhInternalWord;
 
-enum CbvhInternalWords
-{
-  CBVH_INTERNAL_RAY_DIR = 4, CBVH_INTERNAL_RAY_TFAR = 8, CBVH_INTERNAL_RAY_WORDS = 12,
+enum CbvhInternalWords {
+  CBVH_INTERNAL_RAY_DIR = 4,
+  CBVH_INTERNAL_RAY_TFAR = 8,
+  CBVH_INTERNAL_RAY_WORDS = 12,
   /* instIDs of all levels, followed by the primIDs of instances of all levels */
-  CBVH_INTERNAL_HIT_PRIM_ID = 5, CBVH_INTERNAL_HIT_GEOM_ID = 6, CBVH_INTERNAL_HIT_INST_ID = 7
+  CBVH_INTERNAL_HIT_PRIM_ID = 5,
+  CBVH_INTERNAL_HIT_GEOM_ID = 6,
+  CBVH_INTERNAL_HIT_INST_ID = 7
 };
 
-static inline CbvhInternalWord* cbvhInternalWordOf(void* of, unsigned int N, unsigned int word, unsigned int i)
-{
-  return (CbvhInternalWord*)of + word*N + i;
+static inline CbvhInternalWord* cbvhInternalWordOf(void* of, unsigned int N, unsigned int word, unsigned int i) {
+  return (CbvhInternalWord*)of + word * N + i;
 }
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
 /* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
 static inline void cbvhInternalWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group,
-                                           unsigned int geomID, const CbvhInternalContext* context)
-{
+                                           unsigned int geomID, const CbvhInternalContext* context) {
   const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
   unsigned int level;
   if (surface != 0)
@@ -91,16 +90,15 @@ static inline void cbvhInternalWriteHitIDs(void* hits, unsigned int N, unsigned 
     *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + level, i) = context->instID[level];
 #if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
     *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT + level, i) =
-      context->instPrimID[level];
+        context->instPrimID[level];
 #endif
   }
 }
 
 /* --- filters ----------------------------------------------------------------------------- */
 
-struct CbvhInternalFilterCall
-{
-  const void* args;    /* arguments of the callback */
+struct CbvhInternalFilterCall {
+  const void* args; /* arguments of the callback */
   CbvhGroup group;
   unsigned int geomID;
   CbvhInternalContext* context;
@@ -110,12 +108,10 @@ struct CbvhInternalFilterCall
 
 /* Calls the application's filters for one hit at a time: IDs must be translated, and the application's RTCHit may be
  * larger. Takes over what a filter may change. */
-static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args)
-{
+static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args) {
   const struct CbvhInternalFilterCall* const call = (const struct CbvhInternalFilterCall*)args->userPtr;
   unsigned int i, word, firstPrimitive;
-  for (i = 0; i < args->count; i++)
-  {
+  for (i = 0; i < args->count; i++) {
     struct RTCFilterFunctionNArguments filter;
     struct RTCRay ray;
     struct RTCHit hit;
@@ -138,8 +134,7 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
 #if RTC_VERSION_MAJOR >= 4
       if (call->isOcclusion)
         rtcInvokeOccludedFilterFromGeometry((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
-      else
-        rtcInvokeIntersectFilterFromGeometry((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
+      else rtcInvokeIntersectFilterFromGeometry((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
 #else
       if (call->isOcclusion) rtcFilterOcclusion((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
       else rtcFilterIntersection((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
@@ -151,9 +146,12 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
       if (query->filter) query->filter(&filter);
     }
 #endif
-    if (!valid) { args->valid[i] = 0; continue; }
+    if (!valid) {
+      args->valid[i] = 0;
+      continue;
+    }
     *cbvhInternalWordOf(args->rays, args->count, CBVH_INTERNAL_RAY_TFAR, i) =
-      *cbvhInternalWordOf(&ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
+        *cbvhInternalWordOf(&ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
     hit.primID -= firstPrimitive; /* the caller adds it again */
     for (word = 0; word <= CBVH_INTERNAL_HIT_PRIM_ID; word++)
       *cbvhInternalWordOf(args->hits, args->count, word, i) = *cbvhInternalWordOf(&hit, 1, word, 0);
@@ -164,8 +162,7 @@ static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args
 
 /* Returns CBVH_QUERY_FLAG_COHERENT if more than half of the rays of a packet are active and all of these have the same
  * signs of directions. */
-static inline unsigned int cbvhInternalPacketFlags(void* rays, unsigned int N, const int* valid)
-{
+static inline unsigned int cbvhInternalPacketFlags(void* rays, unsigned int N, const int* valid) {
   unsigned int axis, i, count = 0, negative[3] = {0, 0, 0};
   for (i = 0; i < N; i++) {
     if (valid[i] == 0) continue;
@@ -173,7 +170,7 @@ static inline unsigned int cbvhInternalPacketFlags(void* rays, unsigned int N, c
     for (axis = 0; axis < 3; axis++)
       negative[axis] += *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_DIR + axis, i) >> 31;
   }
-  if (2*count <= N) return 0;
+  if (2 * count <= N) return 0;
   for (axis = 0; axis < 3; axis++)
     if (negative[axis] != 0 && negative[axis] != count) return 0;
   return CBVH_QUERY_FLAG_COHERENT;
@@ -181,8 +178,7 @@ static inline unsigned int cbvhInternalPacketFlags(void* rays, unsigned int N, c
 
 static inline void cbvhInternalStartQuery(struct CbvhQuery* query, struct CbvhInternalFilterCall* call,
                                           const void* args, CbvhGroup group, unsigned int geomID,
-                                          CbvhInternalContext* context, unsigned int flags, int isOcclusion)
-{
+                                          CbvhInternalContext* context, unsigned int flags, int isOcclusion) {
   query->structSize = sizeof(*query);
   query->flags = 0;
   query->filter = flags ? cbvhInternalFilterHits : NULL;
@@ -200,12 +196,11 @@ static inline void cbvhInternalStartQuery(struct CbvhQuery* query, struct CbvhIn
 #endif
 }
 
-static inline void cbvhInternalIntersect(const struct RTCIntersectFunctionNArguments* args, unsigned int flags)
-{
+static inline void cbvhInternalIntersect(const struct RTCIntersectFunctionNArguments* args, unsigned int flags) {
   const CbvhGroup group = (CbvhGroup)args->geometryUserPtr;
   const unsigned int N = args->N;
   CbvhInternalWord* const rays = (CbvhInternalWord*)args->rayhit;
-  CbvhInternalWord* const hits = rays + CBVH_INTERNAL_RAY_WORDS*N;
+  CbvhInternalWord* const hits = rays + CBVH_INTERNAL_RAY_WORDS * N;
   struct CbvhQuery query;
   struct CbvhInternalFilterCall call;
   unsigned int i, word, found = 0;
@@ -232,15 +227,14 @@ static inline void cbvhInternalIntersect(const struct RTCIntersectFunctionNArgum
     one.hit.geomID = one.hit.instID = RTC_INVALID_GEOMETRY_ID;
     if (!cbvhIntersect1(group, &one, &query)) continue;
     *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) =
-      *cbvhInternalWordOf(&one.ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
+        *cbvhInternalWordOf(&one.ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
     for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
       *cbvhInternalWordOf(hits, N, word, i) = *cbvhInternalWordOf(&one.hit, 1, word, 0);
     cbvhInternalWriteHitIDs(hits, N, i, group, args->geomID, args->context);
   }
 }
 
-static inline void cbvhInternalOccluded(const struct RTCOccludedFunctionNArguments* args, unsigned int flags)
-{
+static inline void cbvhInternalOccluded(const struct RTCOccludedFunctionNArguments* args, unsigned int flags) {
   const CbvhGroup group = (CbvhGroup)args->geometryUserPtr;
   const unsigned int N = args->N;
   CbvhInternalWord* const rays = (CbvhInternalWord*)args->ray;
@@ -269,53 +263,48 @@ static inline void cbvhInternalOccluded(const struct RTCOccludedFunctionNArgumen
   }
 }
 
-static inline void cbvhInternalIntersectPlain(const struct RTCIntersectFunctionNArguments* args)
-{
+static inline void cbvhInternalIntersectPlain(const struct RTCIntersectFunctionNArguments* args) {
   cbvhInternalIntersect(args, 0);
 }
 
-static inline void cbvhInternalOccludedPlain(const struct RTCOccludedFunctionNArguments* args)
-{
+static inline void cbvhInternalOccludedPlain(const struct RTCOccludedFunctionNArguments* args) {
   cbvhInternalOccluded(args, 0);
 }
 
-static inline void cbvhInternalIntersectFiltered(const struct RTCIntersectFunctionNArguments* args)
-{
+static inline void cbvhInternalIntersectFiltered(const struct RTCIntersectFunctionNArguments* args) {
   cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_FILTERS);
 }
 
-static inline void cbvhInternalOccludedFiltered(const struct RTCOccludedFunctionNArguments* args)
-{
+static inline void cbvhInternalOccludedFiltered(const struct RTCOccludedFunctionNArguments* args) {
   cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_FILTERS);
 }
 #if RTC_VERSION_MAJOR >= 4
-static inline void cbvhInternalIntersectContext(const struct RTCIntersectFunctionNArguments* args)
-{
+static inline void cbvhInternalIntersectContext(const struct RTCIntersectFunctionNArguments* args) {
   cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
-static inline void cbvhInternalOccludedContext(const struct RTCOccludedFunctionNArguments* args)
-{
+static inline void cbvhInternalOccludedContext(const struct RTCOccludedFunctionNArguments* args) {
   cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
-static inline void cbvhInternalIntersectBoth(const struct RTCIntersectFunctionNArguments* args)
-{
+static inline void cbvhInternalIntersectBoth(const struct RTCIntersectFunctionNArguments* args) {
   cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 
-static inline void cbvhInternalOccludedBoth(const struct RTCOccludedFunctionNArguments* args)
-{
+static inline void cbvhInternalOccludedBoth(const struct RTCOccludedFunctionNArguments* args) {
   cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
 }
 #endif
 
-static inline void cbvhInternalBounds(const struct RTCBoundsFunctionArguments* args)
-{
+static inline void cbvhInternalBounds(const struct RTCBoundsFunctionArguments* args) {
   float lower[3], upper[3];
   cbvhGetGroupBounds((CbvhGroup)args->geometryUserPtr, lower, upper);
-  args->bounds_o->lower_x = lower[0]; args->bounds_o->lower_y = lower[1]; args->bounds_o->lower_z = lower[2];
-  args->bounds_o->upper_x = upper[0]; args->bounds_o->upper_y = upper[1]; args->bounds_o->upper_z = upper[2];
+  args->bounds_o->lower_x = lower[0];
+  args->bounds_o->lower_y = lower[1];
+  args->bounds_o->lower_z = lower[2];
+  args->bounds_o->upper_x = upper[0];
+  args->bounds_o->upper_y = upper[1];
+  args->bounds_o->upper_z = upper[2];
 }
 
 /* Creates a geometry from a group, and commits it. The caller owns the geometry: it releases the geometry first, and
@@ -330,8 +319,7 @@ static inline void cbvhInternalBounds(const struct RTCBoundsFunctionArguments* a
  * NULL, or if cbvhCheckGeometry finds unknown flags or too many primitives: cbvhGetErrorText then returns the reason.
  *
  * Thread safety: as rtcNewGeometry. */
-static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
-{
+static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags) {
   RTCGeometry geometry;
   RTCIntersectFunctionN intersect = cbvhInternalIntersectPlain;
   RTCOccludedFunctionN occluded = cbvhInternalOccludedPlain;

@@ -11,8 +11,7 @@
 
 RTC_NAMESPACE_BEGIN
 
-enum RTCCompressedClusterFormat
-{
+enum RTCCompressedClusterFormat {
   /* x, y, z of each vertex as floats */
   RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3 = 0,
   /* header and vertices of D3D12_VERTEX_FORMAT_COMPRESSED1 (DirectX Raytracing), padded to a multiple of 4 bytes */
@@ -22,8 +21,7 @@ enum RTCCompressedClusterFormat
 };
 
 /* Reason why a cluster stores floats instead of the requested format. */
-enum RTCCompressedClusterReason
-{
+enum RTCCompressedClusterReason {
   /* the cluster has the requested format */
   RTC_COMPRESSED_CLUSTER_REASON_NONE = 0,
   /* the geometry stores floats (cGRID, and some blocks of cVERT), or cVERT of more than 14 bits on an axis, and no
@@ -38,35 +36,33 @@ enum RTCCompressedClusterReason
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; for DGF up to 32 quads with 64 of both. Later
  * versions may append members. */
-struct RTCCompressedCluster
-{
+struct RTCCompressedCluster {
   enum RTCCompressedClusterFormat format; /* of data: the requested format, or FLOAT3 */
   enum RTCCompressedClusterReason reason;
   unsigned int numVertices, numTriangles;
-  const void* data;              /* aligned to 4 bytes */
-  size_t bytes;                  /* of data */
-  const unsigned char* indices;  /* three vertices for each triangle; with DGF in the order in which a decoder emits
-                                  * them */
+  const void* data;             /* aligned to 4 bytes */
+  size_t bytes;                 /* of data */
+  const unsigned char* indices; /* three vertices for each triangle; with DGF in the order in which a decoder emits
+                                 * them */
   const unsigned int* triangleNumbers; /* number in the part of each triangle: 2 ((width-1) y + x) for the first
                                         * triangle of quad x, y, and 1 more for its second */
-  unsigned int firstTriangle;    /* number of triangles in all clusters before. With DGF the primitive indices of the
-                                  * block start here */
-  unsigned int width, height;    /* in vertices, row by row, if the cluster is a complete grid: all clusters of this
-                                  * size have the same indices. 0, 0 otherwise and with DGF */
+  unsigned int firstTriangle; /* number of triangles in all clusters before. With DGF the primitive indices of the
+                               * block start here */
+  unsigned int width, height; /* in vertices, row by row, if the cluster is a complete grid: all clusters of this
+                               * size have the same indices. 0, 0 otherwise and with DGF */
   const struct RTCCompressedPart* part; /* the part that contains the cluster: parameters and primIDs */
 };
 
 /* Totals over clusters. */
-struct RTCCompressedClusterStatistics
-{
+struct RTCCompressedClusterStatistics {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedClusterStatistics); /* see rtcore_compression.h */
   size_t numClusters RTC_ZERO, numTriangles RTC_ZERO;
-  size_t numVertices RTC_ZERO;              /* shared vertices count once for each cluster */
-  size_t bytes RTC_ZERO;                    /* of data */
-  size_t indexBytes RTC_ZERO;               /* of the indices of clusters that are not complete grids, 3 bytes per
-                                             * triangle. 0 for DGF, whose blocks contain indices */
-  size_t numClustersByReason[8] RTC_ZERO;   /* index: an RTCCompressedClusterReason. Other entries are 0 */
-  size_t numTrianglesByReason[8] RTC_ZERO;  /* the same */
+  size_t numVertices RTC_ZERO;             /* shared vertices count once for each cluster */
+  size_t bytes RTC_ZERO;                   /* of data */
+  size_t indexBytes RTC_ZERO;              /* of the indices of clusters that are not complete grids, 3 bytes per
+                                            * triangle. 0 for DGF, whose blocks contain indices */
+  size_t numClustersByReason[8] RTC_ZERO;  /* index: an RTCCompressedClusterReason. Other entries are 0 */
+  size_t numTrianglesByReason[8] RTC_ZERO; /* the same */
 };
 
 /* Called with a cluster, which is valid until the function returns. Returning false ends the enumeration. */
@@ -93,6 +89,7 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  * DGF can count.
  * Thread safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCCompressedClusterFormat format,
-    RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterStatistics* statistics);
+                                         RTCCompressedClusterFunction function, void* userPtr,
+                                         struct RTCCompressedClusterStatistics* statistics);
 
 RTC_NAMESPACE_END

@@ -83,7 +83,7 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, con
  * Errors: as rtcNewCompressedFileWriter. Also RTC_ERROR_INVALID_ARGUMENT if the kept part has another key, is of
  * another version of the library or is damaged, and while another writer uses it. */
 RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, const char* path,
-    unsigned long long key);
+                                                              unsigned long long key);
 
 /* Returns the number of geometries in a writer, including those that a resumed writer continues after.
  *
@@ -140,15 +140,14 @@ RTC_API RTCCompressedFile rtcOpenCompressedFile(RTCDevice device, const char* pa
 RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile file);
 
 /* Description of a geometry in a file. */
-struct RTCCompressedFileGeometryInfo
-{
+struct RTCCompressedFileGeometryInfo {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressedFileGeometryInfo); /* see rtcore_compression.h */
-  enum RTCGeometryType type RTC_ZERO;          /* of the geometry that was saved */
-  enum RTCCompression compression RTC_ZERO;    /* representation in the file */
+  enum RTCGeometryType type RTC_ZERO;                                       /* of the geometry that was saved */
+  enum RTCCompression compression RTC_ZERO;                                 /* representation in the file */
   unsigned int numPrimitives RTC_ZERO, numTimeSteps RTC_ZERO;
-  float startTime RTC_ZERO, endTime RTC_ZERO;  /* times of the first and the last time step */
-  float lower[3] RTC_ZERO, upper[3] RTC_ZERO;  /* bounds at all times; lower is above upper if they are empty */
-  size_t bytes RTC_ZERO;                       /* of its tree and blocks in the file */
+  float startTime RTC_ZERO, endTime RTC_ZERO; /* times of the first and the last time step */
+  float lower[3] RTC_ZERO, upper[3] RTC_ZERO; /* bounds at all times; lower is above upper if they are empty */
+  size_t bytes RTC_ZERO;                      /* of its tree and blocks in the file */
 };
 
 /* Returns the description of a geometry in a file, without loading the geometry.
@@ -161,7 +160,7 @@ struct RTCCompressedFileGeometryInfo
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a wrong structSize. */
 RTC_API bool rtcGetCompressedFileGeometryInfo(RTCCompressedFile file, unsigned int index,
-    struct RTCCompressedFileGeometryInfo* info);
+                                              struct RTCCompressedFileGeometryInfo* info);
 
 /* Returns the compression statistics of a geometry in a file, without loading the geometry: the statistics of its last
  * commit before it was saved, but numUnsupportedFaces, inputBytes and cacheBytesPerThread are 0.
@@ -174,7 +173,7 @@ RTC_API bool rtcGetCompressedFileGeometryInfo(RTCCompressedFile file, unsigned i
  *
  * Errors: as rtcGetCompressedFileGeometryInfo. */
 RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsigned int index,
-    struct RTCCompressionStatistics* statistics);
+                                                    struct RTCCompressionStatistics* statistics);
 
 /* Creates a geometry from one in an open file, as rtcLoadCompressedGeometry does. The file may be released before the
  * geometry. Each call creates another geometry. Two geometries with the same index do not share the memory of blocks

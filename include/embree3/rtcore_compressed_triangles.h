@@ -11,8 +11,7 @@
 RTC_NAMESPACE_BEGIN
 
 /* A stored triangle. The struct never grows. */
-struct RTCCompressedTriangle
-{
+struct RTCCompressedTriangle {
   float vertices[3][3]; /* x, y, z in the geometry's space */
   float u[3], v[3];     /* parameters of the vertices on the primitive; u and v of hits are interpolated from them */
 };
@@ -37,7 +36,7 @@ struct RTCCompressedTriangle
  * part of it is stored as cLEAF or cVOXEL, which have no triangles, or is left to GRID, and if the file that it was
  * loaded from has a damaged block. Thread safety: as rtcInterpolate. */
 RTC_API bool rtcFindCompressedTriangle(RTCGeometry geometry, float time, unsigned int primID, float u, float v,
-    const float* Ng, struct RTCCompressedTriangle* triangle);
+                                       const float* Ng, struct RTCCompressedTriangle* triangle);
 
 /* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Quad (x,y) has the triangles (x,y),
  * (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats; with cGRID
@@ -47,13 +46,12 @@ RTC_API bool rtcFindCompressedTriangle(RTCGeometry geometry, float time, unsigne
  * or the first one, may be missing. A missing triangle has two equal vertices.
  *
  * Later versions may append members. */
-struct RTCCompressedPart
-{
-  unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
-  unsigned int width, height;  /* in vertices */
-  const float* vertices;       /* x, y, z of width*height vertices, row by row. Triangles with a NaN are left out */
-  const float* parameters;     /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
-  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad; NULL if that is 0 */
+struct RTCCompressedPart {
+  unsigned int primID;            /* primitive of all quads, if primitivesPerQuad is 0 */
+  unsigned int width, height;     /* in vertices */
+  const float* vertices;          /* x, y, z of width*height vertices, row by row. Triangles with a NaN are left out */
+  const float* parameters;        /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
+  const unsigned int* primIDs;    /* row by row, primitivesPerQuad entries per quad; NULL if that is 0 */
   unsigned int primitivesPerQuad; /* 0: subdivision surfaces and grids. 1: quad meshes. 2: triangle meshes: the primID
                                    * of the quad's first triangle, then that of its second triangle, or the first one
                                    * again if there is no second triangle */
@@ -72,6 +70,6 @@ typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompres
  *
  * Errors: as for rtcFindCompressedTriangle. Thread safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, float time, RTCCompressedPartFunction function,
-    void* userPtr);
+                                      void* userPtr);
 
 RTC_NAMESPACE_END

@@ -77,21 +77,21 @@
 
 /* Default values of members in C++. C has none. */
 #if defined(__cplusplus)
-#  define RTC_COMPRESSION_SIZE_OF(type) = sizeof(type)
-#  define RTC_DEFAULT(...) = __VA_ARGS__
-#  define RTC_ZERO {}
+#define RTC_COMPRESSION_SIZE_OF(type) = sizeof(type)
+#define RTC_DEFAULT(...) = __VA_ARGS__
+#define RTC_ZERO \
+  {}
 #else
-#  define RTC_COMPRESSION_SIZE_OF(type)
-#  define RTC_DEFAULT(...)
-#  define RTC_ZERO
+#define RTC_COMPRESSION_SIZE_OF(type)
+#define RTC_DEFAULT(...)
+#define RTC_ZERO
 #endif
 
 RTC_NAMESPACE_BEGIN
 
 /* Properties of the library that rtcGetDeviceCompressionProperty returns. */
-enum RTCCompressionProperty
-{
-  RTC_COMPRESSION_PROPERTY_VERSION       = 0, // RTC_COMPRESSION_VERSION of the library: 10203 is 1.2.3
+enum RTCCompressionProperty {
+  RTC_COMPRESSION_PROPERTY_VERSION = 0, // RTC_COMPRESSION_VERSION of the library: 10203 is 1.2.3
   RTC_COMPRESSION_PROPERTY_VERSION_MAJOR = 1,
   RTC_COMPRESSION_PROPERTY_VERSION_MINOR = 2,
   RTC_COMPRESSION_PROPERTY_VERSION_PATCH = 3
@@ -108,14 +108,13 @@ enum RTCCompressionProperty
 RTC_API ssize_t rtcGetDeviceCompressionProperty(RTCDevice device, enum RTCCompressionProperty prop);
 
 /* Representation of a geometry. */
-enum RTCCompression
-{
+enum RTCCompression {
   RTC_COMPRESSION_INHERIT = 0, // the setting of the device string or of the environment
-  RTC_COMPRESSION_NONE    = 1, // GRID:   Embree's full-precision vertex grids
-  RTC_COMPRESSION_CGRID   = 2, // cGRID:  compressed nodes, full-precision vertices
-  RTC_COMPRESSION_CVOXEL  = 3, // cVOXEL: compressed nodes; the boxes of leaves are the surface
-  RTC_COMPRESSION_CLEAF   = 4, // cLEAF:  compressed nodes; leaves store 9 heights of 7 bits for 2 x 2 quads
-  RTC_COMPRESSION_CVERT   = 5, // cVERT:  the triangles of GRID, with vertices rounded to a lattice in world space
+  RTC_COMPRESSION_NONE = 1,    // GRID:   Embree's full-precision vertex grids
+  RTC_COMPRESSION_CGRID = 2,   // cGRID:  compressed nodes, full-precision vertices
+  RTC_COMPRESSION_CVOXEL = 3,  // cVOXEL: compressed nodes; the boxes of leaves are the surface
+  RTC_COMPRESSION_CLEAF = 4,   // cLEAF:  compressed nodes; leaves store 9 heights of 7 bits for 2 x 2 quads
+  RTC_COMPRESSION_CVERT = 5,   // cVERT:  the triangles of GRID, with vertices rounded to a lattice in world space
 };
 
 /* Frame level that the library chooses, see RTCCompressionArguments::frameLevel. */
@@ -125,9 +124,8 @@ enum RTCCompression
 #define RTC_COMPRESSION_FRAME_LEVEL_INHERIT (-2)
 
 /* Flags of RTCCompressionArguments. */
-enum RTCCompressionFlags
-{
-  RTC_COMPRESSION_FLAG_NONE          = 0,
+enum RTCCompressionFlags {
+  RTC_COMPRESSION_FLAG_NONE = 0,
 
   /* rtcCommitGeometry compresses the geometry and releases its input. Afterwards the geometry reads only buffers of
    * vertex attributes; the application may free all other buffers that it shared. Scenes use the blocks as they are.
@@ -140,12 +138,11 @@ enum RTCCompressionFlags
   RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0,
 
   /* Compresses also meshes with fewer than 256 primitives, which are otherwise left to Embree. */
-  RTC_COMPRESSION_FLAG_SMALL_MESHES  = 1 << 1
+  RTC_COMPRESSION_FLAG_SMALL_MESHES = 1 << 1
 };
 
 /* Settings of one geometry. Call rtcInitCompressionArguments first. */
-struct RTCCompressionArguments
-{
+struct RTCCompressionArguments {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionArguments);
 
   enum RTCCompression compression RTC_DEFAULT(RTC_COMPRESSION_INHERIT);
@@ -177,25 +174,24 @@ struct RTCCompressionArguments
    * maxPixelError*pixelSize*d, where d is the distance from the camera to the bounds of the face's vertices, enlarged
    * by a quarter. If maxError is set too, the smaller bound holds; otherwise this one replaces the default. */
   float maxPixelError RTC_ZERO;
-  float cameraPosition[3] RTC_ZERO;  /* in the space of the vertices; must be finite if maxPixelError is not 0 */
-  float pixelSize RTC_ZERO;          /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
+  float cameraPosition[3] RTC_ZERO; /* in the space of the vertices; must be finite if maxPixelError is not 0 */
+  float pixelSize RTC_ZERO;         /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
 
   /* cLEAF: 1 stores faces that leaves cannot represent (curved open borders and creases, walls, folds) as cVERT. 0
    * stores all faces as cLEAF. Negative inherits the setting of the device, which is 1 by default. */
   int fallbackFaces RTC_DEFAULT(-1);
 
-  unsigned int flags RTC_ZERO;  /* bits of RTCCompressionFlags */
+  unsigned int flags RTC_ZERO; /* bits of RTCCompressionFlags */
 
   /* Progress function for rtcCommitGeometry with RTC_COMPRESSION_FLAG_RELEASE_INPUT, or NULL. It is called on any
    * thread, and by several threads at the same time, with the completed fraction, 0 to 1. If it returns false, the
    * commit is canceled: rtcCommitGeometry reports RTC_ERROR_CANCELLED, and the geometry keeps its input. */
   RTCProgressMonitorFunction progress RTC_ZERO;
-  void* progressUserPtr RTC_ZERO;  /* passed to the progress function. Must be valid until the commit */
+  void* progressUserPtr RTC_ZERO; /* passed to the progress function. Must be valid until the commit */
 };
 
 /* Sets all arguments to inherit the settings of the device. args: written, not NULL. */
-RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments* args)
-{
+RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments* args) {
   args->structSize = sizeof(*args);
   args->compression = RTC_COMPRESSION_INHERIT;
   args->frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
@@ -228,55 +224,54 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
 
 /* Compression statistics of a committed scene, or of a geometry in a file. Sizes are in bytes. */
-struct RTCCompressionStatistics
-{
+struct RTCCompressionStatistics {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionStatistics);
-  size_t topLevelBytes RTC_ZERO;             // full-precision BVH over blocks and grids
-  size_t headerBytes RTC_ZERO;               // headers of all blocks: frame, IDs, parametrization
-  size_t nodeBytes RTC_ZERO;                 // compressed inner nodes
-  size_t leafBytes RTC_ZERO;                 // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
-  size_t uncompressedBytes RTC_ZERO;         // Embree's grids of quads that are not compressed, see
-                                             // numUncompressedQuads
+  size_t topLevelBytes RTC_ZERO;     // full-precision BVH over blocks and grids
+  size_t headerBytes RTC_ZERO;       // headers of all blocks: frame, IDs, parametrization
+  size_t nodeBytes RTC_ZERO;         // compressed inner nodes
+  size_t leafBytes RTC_ZERO;         // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
+  size_t uncompressedBytes RTC_ZERO; // Embree's grids of quads that are not compressed, see
+                                     // numUncompressedQuads
   size_t numBlocks RTC_ZERO;
-  size_t numQuads RTC_ZERO;                  // quads in blocks
-  size_t numUncompressedQuads RTC_ZERO;      // quads in the same BVH that Embree's GRID traces instead
-  size_t numInvalidQuads RTC_ZERO;           // quads left out because a vertex is not finite, or an index of a mesh is
-                                             // past the vertices
-  size_t numAffineBlocks RTC_ZERO;           // blocks that have an affine frame because a projective frame was not
-                                             // possible
-  size_t numSolidLeaves RTC_ZERO;            // cLEAF leaves that heights cannot bound: rays hit their box
-  float  maxLeafThickness RTC_ZERO;          // world units: largest distance between the two bounds of a leaf, over its
-                                             // quad
-  size_t numRawBlocks RTC_ZERO;              // cVERT: blocks that store floats, because these need no more bytes or a
-                                             // vertex is not finite
-  float  maxVertexSpacing RTC_ZERO;          // cVERT, world units: largest spacing of a lattice
-  float  maxVertexDeviation RTC_ZERO;        // cVERT, world units: largest distance of a stored vertex from the vertex
-                                             // that its face evaluated, or on shared borders the face that owns it.
-                                             // cLEAF: on borders only
-  float  maxBorderMismatch RTC_ZERO;         // cVERT, cLEAF, world units: largest distance between the vertices that
-                                             // two faces evaluate at the same place; the stored surface has no such gap
-  size_t numFallbackQuads RTC_ZERO;          // cLEAF: quads of faces stored as cVERT, see
-                                             // RTCCompressionArguments::fallbackFaces
-  size_t numFlippedQuads RTC_ZERO;           // quads whose stored normal differs from their vertices' normal by more
-                                             // than 90 degrees
-  size_t numMeshQuads RTC_ZERO;              // quads of quad meshes in blocks, plus pairs of triangles of triangle
-                                             // meshes
-  size_t numIrregularQuads RTC_ZERO;         // those of numMeshQuads that are in no grid of at least 4 x 4 quads
-  size_t numMovingQuads RTC_ZERO;            // quads with several time steps
-  size_t motionBytes RTC_ZERO;               // the part of leafBytes for all time steps but the first
-  size_t numUnsupportedFaces RTC_ZERO;       // faces left out because Embree's subdivision does not support them: they,
-                                             // or faces at their vertices, have 1, 2 or more than 16 corners, or one of
-                                             // their vertices has more than 1024 faces, or 1023 at a border, or fewer
-                                             // if these have more than 4 corners
-  size_t inputBytes RTC_ZERO;                // buffers of compressed geometries that Embree allocated and that were not
-                                             // released, and Embree's copies of their topology
-  size_t cacheBytesPerThread RTC_ZERO;       // largest size of the caches in which each tracing thread keeps decoded
-                                             // blocks; threads allocate a cache when they first need it, and share it
-                                             // among all scenes
-  unsigned int firstInvalidGeomID RTC_ZERO;     // if numInvalidQuads is not 0: the first geometry with such quads that
-                                                // was not loaded from a file, or RTC_INVALID_GEOMETRY_ID
-  unsigned int firstInvalidPrimID RTC_ZERO;     // its first face, grid, quad or triangle with such quads, or
-                                                // RTC_INVALID_GEOMETRY_ID
+  size_t numQuads RTC_ZERO;                 // quads in blocks
+  size_t numUncompressedQuads RTC_ZERO;     // quads in the same BVH that Embree's GRID traces instead
+  size_t numInvalidQuads RTC_ZERO;          // quads left out because a vertex is not finite, or an index of a mesh is
+                                            // past the vertices
+  size_t numAffineBlocks RTC_ZERO;          // blocks that have an affine frame because a projective frame was not
+                                            // possible
+  size_t numSolidLeaves RTC_ZERO;           // cLEAF leaves that heights cannot bound: rays hit their box
+  float maxLeafThickness RTC_ZERO;          // world units: largest distance between the two bounds of a leaf, over its
+                                            // quad
+  size_t numRawBlocks RTC_ZERO;             // cVERT: blocks that store floats, because these need no more bytes or a
+                                            // vertex is not finite
+  float maxVertexSpacing RTC_ZERO;          // cVERT, world units: largest spacing of a lattice
+  float maxVertexDeviation RTC_ZERO;        // cVERT, world units: largest distance of a stored vertex from the vertex
+                                            // that its face evaluated, or on shared borders the face that owns it.
+                                            // cLEAF: on borders only
+  float maxBorderMismatch RTC_ZERO;         // cVERT, cLEAF, world units: largest distance between the vertices that
+                                            // two faces evaluate at the same place; the stored surface has no such gap
+  size_t numFallbackQuads RTC_ZERO;         // cLEAF: quads of faces stored as cVERT, see
+                                            // RTCCompressionArguments::fallbackFaces
+  size_t numFlippedQuads RTC_ZERO;          // quads whose stored normal differs from their vertices' normal by more
+                                            // than 90 degrees
+  size_t numMeshQuads RTC_ZERO;             // quads of quad meshes in blocks, plus pairs of triangles of triangle
+                                            // meshes
+  size_t numIrregularQuads RTC_ZERO;        // those of numMeshQuads that are in no grid of at least 4 x 4 quads
+  size_t numMovingQuads RTC_ZERO;           // quads with several time steps
+  size_t motionBytes RTC_ZERO;              // the part of leafBytes for all time steps but the first
+  size_t numUnsupportedFaces RTC_ZERO;      // faces left out because Embree's subdivision does not support them: they,
+                                            // or faces at their vertices, have 1, 2 or more than 16 corners, or one of
+                                            // their vertices has more than 1024 faces, or 1023 at a border, or fewer
+                                            // if these have more than 4 corners
+  size_t inputBytes RTC_ZERO;               // buffers of compressed geometries that Embree allocated and that were not
+                                            // released, and Embree's copies of their topology
+  size_t cacheBytesPerThread RTC_ZERO;      // largest size of the caches in which each tracing thread keeps decoded
+                                            // blocks; threads allocate a cache when they first need it, and share it
+                                            // among all scenes
+  unsigned int firstInvalidGeomID RTC_ZERO; // if numInvalidQuads is not 0: the first geometry with such quads that
+                                            // was not loaded from a file, or RTC_INVALID_GEOMETRY_ID
+  unsigned int firstInvalidPrimID RTC_ZERO; // its first face, grid, quad or triangle with such quads, or
+                                            // RTC_INVALID_GEOMETRY_ID
 };
 
 /* Returns the statistics of the last commit of a scene, which the commit computed. All members are zero if the scene

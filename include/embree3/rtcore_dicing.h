@@ -11,41 +11,38 @@
 RTC_NAMESPACE_BEGIN
 
 /* A camera, and the size of quads in its picture. Call rtcInitDicingArguments first. */
-struct RTCDicingArguments
-{
+struct RTCDicingArguments {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCDicingArguments); /* see rtcore_compression.h */
 
   /* The camera, in world space. For an orthographic camera, only pixelSize and the region of the picture matter. */
   float position[3] RTC_ZERO;
   float direction[3] RTC_DEFAULT({0, 0, 1}); /* towards the center of the picture, of any length */
-  float up[3] RTC_DEFAULT({0, 1, 0});     /* up direction of the picture, of any length, not parallel to direction */
+  float up[3] RTC_DEFAULT({0, 1, 0});        /* up direction of the picture, of any length, not parallel to direction */
   bool orthographic RTC_ZERO;
-  float pixelSize RTC_ZERO;               /* width of a pixel at distance 1; for an orthographic camera at any
-                                           * distance. Positive */
-  float width RTC_ZERO, height RTC_ZERO;  /* of the picture in pixels. 0: everything counts as inside of the picture,
-                                           * and direction and up are ignored */
+  float pixelSize RTC_ZERO;              /* width of a pixel at distance 1; for an orthographic camera at any
+                                          * distance. Positive */
+  float width RTC_ZERO, height RTC_ZERO; /* of the picture in pixels. 0: everything counts as inside of the picture,
+                                          * and direction and up are ignored */
 
-  const float* transform RTC_ZERO;  /* from the geometry's space to world space: 12 floats in the layout
-                                     * RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR. NULL: the identity */
+  const float* transform RTC_ZERO; /* from the geometry's space to world space: 12 floats in the layout
+                                    * RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR. NULL: the identity */
 
-  float quadSize RTC_DEFAULT(1.0f);       /* target length of the edges of quads in pixels. Default 1, positive */
-  float outsideFactor RTC_DEFAULT(8.0f);  /* factor of quadSize far outside of the picture and behind the camera.
-                                           * Default 8, at least 1 */
-  float maxRate RTC_DEFAULT(4096.0f);     /* largest number of quads along an edge. Default 4096, 1 to 4096 */
-  const float* maxRates RTC_ZERO;         /* further bound for each edge, for example the number of texels along it:
-                                           * one entry per index, at least 1. An edge of two faces gets the higher of
-                                           * their rates. NULL: only maxRate holds */
+  float quadSize RTC_DEFAULT(1.0f);      /* target length of the edges of quads in pixels. Default 1, positive */
+  float outsideFactor RTC_DEFAULT(8.0f); /* factor of quadSize far outside of the picture and behind the camera.
+                                          * Default 8, at least 1 */
+  float maxRate RTC_DEFAULT(4096.0f);    /* largest number of quads along an edge. Default 4096, 1 to 4096 */
+  const float* maxRates RTC_ZERO;        /* further bound for each edge, for example the number of texels along it:
+                                          * one entry per index, at least 1. An edge of two faces gets the higher of
+                                          * their rates. NULL: only maxRate holds */
 };
 
 /* Sets the camera to the origin without a picture, pixelSize to 0, which is invalid, and all other members to their
  * defaults.
  *
  * args: written, not NULL. */
-RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
-{
+RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args) {
   args->structSize = sizeof(*args);
-  for (int i = 0; i < 3; i++)
-    args->position[i] = args->direction[i] = args->up[i] = 0.0f;
+  for (int i = 0; i < 3; i++) args->position[i] = args->direction[i] = args->up[i] = 0.0f;
   args->direction[2] = args->up[1] = 1.0f;
   args->orthographic = false;
   args->pixelSize = args->width = args->height = 0.0f;

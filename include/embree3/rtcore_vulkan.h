@@ -62,18 +62,17 @@ RTC_NAMESPACE_BEGIN
 typedef struct RTCVulkanDeviceTy* RTCVulkanDevice;
 
 /* Description of a Vulkan device. */
-struct RTCVulkanDeviceInfo
-{
+struct RTCVulkanDeviceInfo {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
-  char name[256] RTC_ZERO;               /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
-  char driver[256] RTC_ZERO;             /* name and version of the driver */
-  char unsupportedReason[256] RTC_ZERO;  /* features that the device lacks, or an error of its driver; empty if it is
-                                          * supported */
-  unsigned int isDiscrete RTC_ZERO;      /* 1 if the device has its own memory */
-  unsigned int hasFloat64 RTC_ZERO;      /* 1 if it has shaderFloat64 */
-  size_t memoryBytes RTC_ZERO;           /* size of the largest heap of the device's memory */
-  unsigned int hasRayQuery RTC_ZERO;     /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their
-                                          * features */
+  char name[256] RTC_ZERO;              /* as Vulkan reports it, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
+  char driver[256] RTC_ZERO;            /* name and version of the driver */
+  char unsupportedReason[256] RTC_ZERO; /* features that the device lacks, or an error of its driver; empty if it is
+                                         * supported */
+  unsigned int isDiscrete RTC_ZERO;     /* 1 if the device has its own memory */
+  unsigned int hasFloat64 RTC_ZERO;     /* 1 if it has shaderFloat64 */
+  size_t memoryBytes RTC_ZERO;          /* size of the largest heap of the device's memory */
+  unsigned int hasRayQuery RTC_ZERO;    /* 1 if it has VK_KHR_acceleration_structure and VK_KHR_ray_query with their
+                                         * features */
 };
 
 /* Lists the Vulkan devices of the machine, in the order of the Vulkan loader.
@@ -106,19 +105,18 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice device, const char* selecto
  * The library creates its buffers with VK_SHARING_MODE_EXCLUSIVE and writes them on `queue`. Command buffers that trace
  * scenes must therefore be submitted to queues of queueFamily, also if their shaders are the application's. If rays or
  * hits are in exclusive buffers that another queue family used before, the application transfers their ownership. */
-struct RTCVulkanDeviceHandles
-{
+struct RTCVulkanDeviceHandles {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanDeviceHandles); /* see rtcore_compression.h */
   PFN_vkGetInstanceProcAddr getInstanceProcAddr RTC_ZERO;
-  VkInstance instance RTC_ZERO;         /* created for Vulkan 1.2 or later */
+  VkInstance instance RTC_ZERO; /* created for Vulkan 1.2 or later */
   VkPhysicalDevice physicalDevice RTC_ZERO;
-  VkDevice device RTC_ZERO;             /* with bufferDeviceAddress and scalarBlockLayout enabled */
-  VkQueue queue RTC_ZERO;               /* supports compute */
-  uint32_t queueFamily RTC_ZERO;        /* family of `queue`, and of all queues that trace scenes of the device */
-  unsigned int hasFloat64 RTC_ZERO;     /* 1 if shaderFloat64 is enabled */
-  unsigned int hasHostImport RTC_ZERO;  /* 1 if VK_EXT_external_memory_host is enabled */
-  unsigned int hasRayQuery RTC_ZERO;    /* 1 if VK_KHR_acceleration_structure and VK_KHR_ray_query are enabled with
-                                         * their features */
+  VkDevice device RTC_ZERO;            /* with bufferDeviceAddress and scalarBlockLayout enabled */
+  VkQueue queue RTC_ZERO;              /* supports compute */
+  uint32_t queueFamily RTC_ZERO;       /* family of `queue`, and of all queues that trace scenes of the device */
+  unsigned int hasFloat64 RTC_ZERO;    /* 1 if shaderFloat64 is enabled */
+  unsigned int hasHostImport RTC_ZERO; /* 1 if VK_EXT_external_memory_host is enabled */
+  unsigned int hasRayQuery RTC_ZERO;   /* 1 if VK_KHR_acceleration_structure and VK_KHR_ray_query are enabled with
+                                        * their features */
 };
 
 /* Creates a device from the application's handles.
@@ -154,32 +152,29 @@ RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, struct RTCVulkanD
 typedef struct RTCVulkanSceneTy* RTCVulkanScene;
 
 /* Location of the blocks of a scene. */
-enum RTCVulkanMemory
-{
-  RTC_VULKAN_MEMORY_AUTO = 0,   /* IMPORT if host and device share their memory and the driver can import it, otherwise
-                                 * COPY */
-  RTC_VULKAN_MEMORY_COPY = 1,   /* copies blocks to the memory of the device */
-  RTC_VULKAN_MEMORY_IMPORT = 2  /* leaves blocks in host memory. Requires VK_EXT_external_memory_host. Fails if the
-                                 * driver cannot import the memory: some drivers cannot import mapped files, which
-                                 * rtcLoadCompressedGeometry uses */
+enum RTCVulkanMemory {
+  RTC_VULKAN_MEMORY_AUTO = 0,  /* IMPORT if host and device share their memory and the driver can import it, otherwise
+                                * COPY */
+  RTC_VULKAN_MEMORY_COPY = 1,  /* copies blocks to the memory of the device */
+  RTC_VULKAN_MEMORY_IMPORT = 2 /* leaves blocks in host memory. Requires VK_EXT_external_memory_host. Fails if the
+                                * driver cannot import the memory: some drivers cannot import mapped files, which
+                                * rtcLoadCompressedGeometry uses */
 };
 
-enum RTCVulkanTraversal
-{
-  RTC_VULKAN_TRAVERSAL_COMPUTE = 0,   /* compute shaders traverse the tree of the scene */
-  RTC_VULKAN_TRAVERSAL_RAY_QUERY = 1  /* the driver traverses its own structures, with a box for each block */
+enum RTCVulkanTraversal {
+  RTC_VULKAN_TRAVERSAL_COMPUTE = 0,  /* compute shaders traverse the tree of the scene */
+  RTC_VULKAN_TRAVERSAL_RAY_QUERY = 1 /* the driver traverses its own structures, with a box for each block */
 };
 
-struct RTCVulkanSceneArguments
-{
+struct RTCVulkanSceneArguments {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanSceneArguments); /* see rtcore_compression.h */
   enum RTCVulkanMemory memory RTC_ZERO;
   enum RTCVulkanTraversal traversal RTC_ZERO;
-  RTCVulkanScene previousScene RTC_ZERO;  /* for ray queries: a scene from before an edit, or NULL. If a geometry has
-                                           * new blocks, but the same number of them, the driver updates the
-                                           * structure of the previous scene. This is faster than a build; rays
-                                           * become slower the farther the geometry has moved. Of the same device,
-                                           * also for ray queries. Read during the call only */
+  RTCVulkanScene previousScene RTC_ZERO; /* for ray queries: a scene from before an edit, or NULL. If a geometry has
+                                          * new blocks, but the same number of them, the driver updates the
+                                          * structure of the previous scene. This is faster than a build; rays
+                                          * become slower the farther the geometry has moved. Of the same device,
+                                          * also for ray queries. Read during the call only */
 };
 
 /* Puts a committed scene on a device, with the scenes that it instances.
@@ -211,7 +206,7 @@ struct RTCVulkanSceneArguments
  * device, and for ray queries or imported memory that the device does not support. If the scene belongs to another
  * RTCDevice than the Vulkan device, that one may receive the reason. */
 RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene scene,
-    const struct RTCVulkanSceneArguments* args);
+                                         const struct RTCVulkanSceneArguments* args);
 
 /* Add and remove a reference to a scene. Removing the last one frees its memory on the device: no command that traces
  * the scene may be pending then. Traces of the rtcStart functions hold a reference.
@@ -242,22 +237,21 @@ RTC_API unsigned int rtcGetVulkanSceneLeafKinds(RTCVulkanScene scene);
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the scene was not created for ray
  * queries. */
 RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances,
-    unsigned int capacity);
+                                                unsigned int capacity);
 
 /* Memory of a scene on its device, and its size. */
-struct RTCVulkanSceneStatistics
-{
+struct RTCVulkanSceneStatistics {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanSceneStatistics); /* see rtcore_compression.h */
-  size_t deviceBytes RTC_ZERO;      /* total memory on the device, including memory that scenes share */
-  size_t importedBytes RTC_ZERO;    /* host memory that the device reads in place */
-  size_t topLevelBytes RTC_ZERO;    /* tree above the blocks, and addresses of blocks */
+  size_t deviceBytes RTC_ZERO;   /* total memory on the device, including memory that scenes share */
+  size_t importedBytes RTC_ZERO; /* host memory that the device reads in place */
+  size_t topLevelBytes RTC_ZERO; /* tree above the blocks, and addresses of blocks */
   size_t numNodes RTC_ZERO, numBlocks RTC_ZERO, numGeometries RTC_ZERO, numInstances RTC_ZERO;
-  unsigned int stackSize RTC_ZERO;  /* stack entries that a ray may need: the smallest CBVH_STACK_SIZE of a shader */
-  size_t uploadedBytes RTC_ZERO;    /* bytes sent to the device for this scene, without shared ones */
+  unsigned int stackSize RTC_ZERO; /* stack entries that a ray may need: the smallest CBVH_STACK_SIZE of a shader */
+  size_t uploadedBytes RTC_ZERO;   /* bytes sent to the device for this scene, without shared ones */
   /* of scenes for ray queries */
-  size_t structureBytes RTC_ZERO;   /* the driver's structures, part of deviceBytes, including structures that scenes
-                                     * share */
-  size_t numBoxes RTC_ZERO;         /* in bottom-level structures, each structure counted once */
+  size_t structureBytes RTC_ZERO; /* the driver's structures, part of deviceBytes, including structures that scenes
+                                   * share */
+  size_t numBoxes RTC_ZERO;       /* in bottom-level structures, each structure counted once */
   size_t numBuiltBoxes RTC_ZERO, numUpdatedBoxes RTC_ZERO; /* boxes in structures that were built, or updated, for
                                                             * this scene */
 };
@@ -283,9 +277,9 @@ RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, struct RTCVulkanS
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for an address that is 0 or not a multiple of 16. */
 RTC_API bool rtcRecordVulkanIntersect(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
-    size_t count);
+                                      size_t count);
 RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
-    size_t count);
+                                     size_t count);
 
 /* Record commands that sort the indices of rays by origin and direction, and that trace in this order. Rays stay
  * where they are. Incoherent rays are faster if neighbors in the buffer have similar origins and directions. Sorting
@@ -306,11 +300,11 @@ RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer comma
  * rtcGetVulkanRayOrderBytes has no device: rtcGetDeviceError(NULL) returns its error. */
 RTC_API size_t rtcGetVulkanRayOrderBytes(size_t count);
 RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
-    size_t stride, size_t count, VkDeviceAddress order);
+                                     size_t stride, size_t count, VkDeviceAddress order);
 RTC_API bool rtcRecordVulkanIntersectInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
-    size_t count, VkDeviceAddress order);
+                                             size_t count, VkDeviceAddress order);
 RTC_API bool rtcRecordVulkanOccludedInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
-    size_t count, VkDeviceAddress order);
+                                            size_t count, VkDeviceAddress order);
 
 /* Enables sorting of the rays of later calls of the rtcStart functions. Disabled by default.
  *
@@ -320,12 +314,11 @@ RTC_API void rtcSetVulkanSceneRaySorting(RTCVulkanScene scene, bool enabled);
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
 /* Durations of a trace. All are 0 if the device has no clock. */
-struct RTCVulkanTraceTimes
-{
+struct RTCVulkanTraceTimes {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCVulkanTraceTimes); /* see rtcore_compression.h */
-  double traceSeconds RTC_ZERO;  /* tracing on the device, without copies */
-  double copySeconds RTC_ZERO;   /* copies of rays and hits on the device */
-  double sortSeconds RTC_ZERO;   /* sorting of rays, see rtcSetVulkanSceneRaySorting */
+  double traceSeconds RTC_ZERO;                                   /* tracing on the device, without copies */
+  double copySeconds RTC_ZERO;                                    /* copies of rays and hits on the device */
+  double sortSeconds RTC_ZERO;                                    /* sorting of rays, see rtcSetVulkanSceneRaySorting */
 };
 
 /* Start tracing an array of `count` rays in host memory, and return before they are traced.

@@ -19,8 +19,7 @@ thread_local std::string errorText;                // text of cbvhGetErrorText
 thread_local Failure pendingError = {CBVH_OK, ""}; // error of Embree that no function has returned yet
 thread_local bool collectsErrors = false;          // this thread is in a function that returns such errors
 
-CbvhError codeOf(RTCError code)
-{
+CbvhError codeOf(RTCError code) {
   switch (code) {
   case RTC_ERROR_NONE: return CBVH_OK;
   case RTC_ERROR_INVALID_ARGUMENT: return CBVH_ERROR_INVALID_ARGUMENT;
@@ -34,95 +33,89 @@ CbvhError codeOf(RTCError code)
 
 /* Error function of the device. Stores the error for the API function that this thread is in. Functions for rays return
  * no errors: the application is notified at once. */
-void handleEmbreeError(void* context, RTCError code, const char* text)
-{
+void handleEmbreeError(void* context, RTCError code, const char* text) {
   Failure failure = {codeOf(code), ""};
-  try { if (text) failure.text = text; }
-  catch (const std::bad_alloc&) {} // without the text: exceptions must not leave functions of C
+  try {
+    if (text) failure.text = text;
+  } catch (const std::bad_alloc&) {} // without the text: exceptions must not leave functions of C
   if (collectsErrors) pendingError = std::move(failure);
   else ((const CbvhContextTy*)context)->report(failure);
 }
 
 /* Must be called in a catch block. */
-Failure exceptionAsFailure()
-{
-  try { throw; }
-  catch (Failure& failure) { return std::move(failure); }
-  catch (...) {
+Failure exceptionAsFailure() {
+  try {
+    throw;
+  } catch (Failure& failure) { return std::move(failure); } catch (...) {
     embree::core::CaughtError error = embree::core::caughtError();
     return {codeOf(error.code), std::move(error.text)};
   }
 }
 
-RTCDevice newDevice(const char* settings)
-{
-  try { return (RTCDevice)embree::core::newDevice(settings); }
-  catch (...) {
+RTCDevice newDevice(const char* settings) {
+  try {
+    return (RTCDevice)embree::core::newDevice(settings);
+  } catch (...) {
     const Failure failure = exceptionAsFailure();
-    throw Failure{failure.code, std::string("cannot create a context with ")
-      + (settings ? std::string("the settings '") + settings + "'" : "default settings") + ": " + failure.text};
+    throw Failure{failure.code, std::string("cannot create a context with ") +
+                                    (settings ? std::string("the settings '") + settings + "'" : "default settings") +
+                                    ": " + failure.text};
   }
 }
 
 } // namespace
 
 CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr)
-  : device(newDevice(settings)), function(function), userPtr(userPtr)
-{
+  : device(newDevice(settings)),
+    function(function),
+    userPtr(userPtr) {
   rtcSetDeviceErrorFunction(device, handleEmbreeError, this);
 }
 
-CbvhContextTy::~CbvhContextTy()
-{
+CbvhContextTy::~CbvhContextTy() {
   rtcSetDeviceErrorFunction(device, nullptr, nullptr);
   rtcReleaseDevice(device);
 }
 
-Failure CbvhContextTy::takeError() const
-{
+Failure CbvhContextTy::takeError() const {
   rtcGetDeviceError(device); // the call also clears the error
   return std::exchange(pendingError, Failure{CBVH_OK, ""});
 }
 
-void CbvhContextTy::check() const
-{
+void CbvhContextTy::check() const {
   const Failure failure = takeError();
   if (failure) throw failure;
 }
 
 CbvhError CbvhContextTy::report(const Failure& failure) const { return callErrorFunction(failure, function, userPtr); }
 
-Failure embree::beside::caughtFailure()
-{
+Failure embree::beside::caughtFailure() {
   Failure failure = exceptionAsFailure();
   try {
     if (pendingError && pendingError.text != failure.text) failure.text += ": " + pendingError.text;
-  }
-  catch (const std::bad_alloc&) {} // without the reason
+  } catch (const std::bad_alloc&) {} // without the reason
   return failure;
 }
 
 ErrorScope::ErrorScope(bool collects)
-  : outer(std::exchange(pendingError, Failure{CBVH_OK, ""})), outerCollects(collectsErrors)
-{
+  : outer(std::exchange(pendingError, Failure{CBVH_OK, ""})),
+    outerCollects(collectsErrors) {
   collectsErrors = collects;
 }
 
-ErrorScope::~ErrorScope()
-{
+ErrorScope::~ErrorScope() {
   pendingError = std::move(outer); // a copy would allocate, and could throw
   collectsErrors = outerCollects;
 }
 
 /* Keeps no text if there is no memory for it: exceptions must not leave functions of C. */
-static void setErrorText(const char* text)
-{
-  try { errorText = text; }
-  catch (const std::bad_alloc&) { errorText.clear(); }
+static void setErrorText(const char* text) {
+  try {
+    errorText = text;
+  } catch (const std::bad_alloc&) { errorText.clear(); }
 }
 
-CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr)
-{
+CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr) {
   setErrorText(failure.text.c_str());
   if (!function) return failure.code;
   function(userPtr, failure.code, failure.text.c_str());
@@ -130,8 +123,7 @@ CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFun
   return failure.code;
 }
 
-void embree::beside::checkFlags(unsigned int flags, unsigned int known, const char* of)
-{
+void embree::beside::checkFlags(unsigned int flags, unsigned int known, const char* of) {
   const unsigned int unknown = flags & ~known;
   if (!unknown) return;
   char text[96];
@@ -139,8 +131,7 @@ void embree::beside::checkFlags(unsigned int flags, unsigned int known, const ch
   throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
 }
 
-CbvhError embree::beside::rejectArgument(const char* text)
-{
+CbvhError embree::beside::rejectArgument(const char* text) {
   setErrorText(text);
   return CBVH_ERROR_INVALID_ARGUMENT;
 }
@@ -148,8 +139,7 @@ CbvhError embree::beside::rejectArgument(const char* text)
 const char* cbvhGetErrorText() { return errorText.c_str(); }
 unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
 
-CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context)
-{
+CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context) {
   if (!context) return rejectArgument("context is NULL");
   Failure failure;
   try {
@@ -158,10 +148,13 @@ CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void*
       throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
     *context = new CbvhContextTy(settings, function, userPtr);
     return CBVH_OK;
-  }
-  catch (...) { failure = caughtFailure(); }
+  } catch (...) { failure = caughtFailure(); }
   return callErrorFunction(failure, function, userPtr);
 }
 
-void cbvhRetainContext(CbvhContext context) { if (context) context->retain(); }
-void cbvhReleaseContext(CbvhContext context) { if (context) context->release(); }
+void cbvhRetainContext(CbvhContext context) {
+  if (context) context->retain();
+}
+void cbvhReleaseContext(CbvhContext context) {
+  if (context) context->release();
+}

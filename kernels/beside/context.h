@@ -25,8 +25,7 @@ class Device;
 namespace beside {
 
 /* An error of the API, thrown as an exception or returned. */
-struct Failure
-{
+struct Failure {
   CbvhError code;
   std::string text;
 
@@ -38,15 +37,16 @@ struct Failure
 Failure caughtFailure();
 
 /* Base of objects with a reference count, which starts at 1. Thread-safe. */
-class RefCounted
-{
+class RefCounted {
 public:
   RefCounted() : references(1) {}
   RefCounted(const RefCounted&) = delete;
   RefCounted& operator=(const RefCounted&) = delete;
 
   void retain() { references++; }
-  void release() { if (--references == 0) delete this; }
+  void release() {
+    if (--references == 0) delete this;
+  }
 
 protected:
   virtual ~RefCounted() = default;
@@ -57,15 +57,21 @@ private:
 
 /* Owns a reference to a RefCounted object, or is NULL. */
 template<typename T>
-class RefPtr
-{
+class RefPtr {
 public:
   RefPtr() : object(nullptr) {}
-  explicit RefPtr(T* object) : object(object) { if (object) object->retain(); }
+  explicit RefPtr(T* object) : object(object) {
+    if (object) object->retain();
+  }
   RefPtr(const RefPtr& other) : RefPtr(other.object) {}
   RefPtr(RefPtr&& other) : object(other.object) { other.object = nullptr; }
-  ~RefPtr() { if (object) object->release(); }
-  RefPtr& operator=(RefPtr other) { std::swap(object, other.object); return *this; }
+  ~RefPtr() {
+    if (object) object->release();
+  }
+  RefPtr& operator=(RefPtr other) {
+    std::swap(object, other.object);
+    return *this;
+  }
 
   T* get() const { return object; }
   T* operator->() const { return object; }
@@ -74,11 +80,11 @@ private:
   T* object;
 };
 
-}} // namespace embree::beside
+} // namespace beside
+} // namespace embree
 
 /* A device of the kernels, and the application's error function. */
-struct CbvhContextTy : embree::beside::RefCounted
-{
+struct CbvhContextTy : embree::beside::RefCounted {
   CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
 
   embree::Device* embreeDevice() const { return (embree::Device*)device; }
@@ -106,8 +112,7 @@ namespace embree { namespace beside {
 /* Selects how this thread handles errors of Embree, until the destructor restores the previous state. Functions of this
  * library store errors, which CbvhContextTy::check() throws. During callbacks of the application, collects is false:
  * errors of rays that the callback traces are reported at once, and the function that called it does not fail. */
-class ErrorScope
-{
+class ErrorScope {
 public:
   explicit ErrorScope(bool collects = true);
   ~ErrorScope();
@@ -123,22 +128,19 @@ CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, 
 
 /* Runs an API function. Reports its exceptions to the application, and returns their code. */
 template<typename Closure>
-CbvhError guarded(CbvhContextTy* context, const Closure& closure)
-{
+CbvhError guarded(CbvhContextTy* context, const Closure& closure) {
   const RefPtr<CbvhContextTy> held(context); // callbacks may release the application's references
   const ErrorScope errors;
   Failure failure;
   try {
     closure();
     return CBVH_OK;
-  }
-  catch (...) { failure = caughtFailure(); }
+  } catch (...) { failure = caughtFailure(); }
   return context ? context->report(failure) : failure.code;
 }
 
 /* Throws CBVH_ERROR_INVALID_ARGUMENT if a condition is false. */
-inline void require(bool condition, const char* text)
-{
+inline void require(bool condition, const char* text) {
   if (!condition) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
 }
 

@@ -7,8 +7,7 @@
 
 #include "surface.h"
 
-struct CbvhGroupTy : embree::beside::RefCounted
-{
+struct CbvhGroupTy : embree::beside::RefCounted {
   CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
 
   /* Builds the tree over the surfaces' last commits. If a surface is not committed, throws and leaves the group
@@ -21,8 +20,8 @@ struct CbvhGroupTy : embree::beside::RefCounted
   // index of each surface's first primitive in the group, then the count of all primitives; zeros before a commit
   std::vector<size_t> firstPrimitive;
   CbvhGroupStatistics statistics = CbvhGroupStatistics(); // of the last commit
-  bool isCommitted = false;  // false after a commit that failed
-  bool wasCommitted = false; // true from the first commit that did not fail
+  bool isCommitted = false;                               // false after a commit that failed
+  bool wasCommitted = false;                              // true from the first commit that did not fail
   void* userPtr = nullptr;
 
 private:
@@ -30,6 +29,6 @@ private:
 
   void updateStatistics();
 
-  std::vector<RTCGeometry> attached;   // geometry that the scene contains for each surface, or NULL
-  std::vector<bool> isReported;        // true if the faces that attached[i] leaves out were reported
+  std::vector<RTCGeometry> attached; // geometry that the scene contains for each surface, or NULL
+  std::vector<bool> isReported;      // true if the faces that attached[i] leaves out were reported
 };

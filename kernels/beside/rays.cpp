@@ -13,23 +13,20 @@
 namespace {
 
 static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit),
-  "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
+              "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
 
-struct QueryContext
-{
+struct QueryContext {
   RTCIntersectContext rtcContext; // first: filter() casts its address
   const CbvhQuery* query;
 
-  QueryContext(const CbvhQuery* query) : query(query)
-  {
+  QueryContext(const CbvhQuery* query) : query(query) {
     rtcInitIntersectContext(&rtcContext);
     if (!query) return;
     if (query->flags & CBVH_QUERY_FLAG_COHERENT) rtcContext.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     if (query->filter) rtcContext.filter = filter;
   }
 
-  static void filter(const RTCFilterFunctionNArguments* args)
-  {
+  static void filter(const RTCFilterFunctionNArguments* args) {
     const CbvhQuery& query = *((const QueryContext*)args->context)->query;
     const CbvhFilterArguments cbvhArgs = {args->valid, query.filterUserPtr, args->ray, args->hit, args->N};
     query.filter(&cbvhArgs);
@@ -39,8 +36,7 @@ struct QueryContext
 constexpr unsigned int knownFlags = CBVH_QUERY_FLAG_COHERENT;
 
 /* True if the query is valid, and the application was compiled with this version of CbvhQuery. */
-inline bool isCurrent(const CbvhQuery* query)
-{
+inline bool isCurrent(const CbvhQuery* query) {
   return !query || (query->structSize == sizeof(CbvhQuery) && !(query->flags & ~knownFlags));
 }
 
@@ -48,8 +44,7 @@ inline bool isCurrent(const CbvhQuery* query)
  * returns 0. Not inlined, to keep the usual path short. */
 template<typename Trace>
 __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
-    -> decltype(trace(query))
-{
+    -> decltype(trace(query)) {
   CbvhQuery converted;
   const CbvhContext context = group->context.get();
   const CbvhError error = embree::beside::guarded(context, [&] {
@@ -61,39 +56,34 @@ __attribute__((noinline)) auto withConvertedQuery(CbvhGroup group, const CbvhQue
 }
 
 /* Reports that a group was never committed. Not inlined, to keep the usual path short. */
-__attribute__((noinline)) void reportUncommitted(CbvhGroup group)
-{
+__attribute__((noinline)) void reportUncommitted(CbvhGroup group) {
   embree::beside::guarded(group->context.get(), [] {
     throw embree::beside::Failure{CBVH_ERROR_INVALID_OPERATION,
-      "the group is not committed: call cbvhCommitGroup first"};
+                                  "the group is not committed: call cbvhCommitGroup first"};
   });
 }
 
 /* True if rays can be traced. Otherwise reports an error. */
-inline bool isTraceable(CbvhGroup group)
-{
+inline bool isTraceable(CbvhGroup group) {
   if (__builtin_expect(group->wasCommitted, true)) return true;
   reportUncommitted(group);
   return false;
 }
 
 template<unsigned int K> struct PacketKernels;
-template<> struct PacketKernels<4>
-{
+template<> struct PacketKernels<4> {
   typedef RTCRayHit4 RayHits;
   typedef RTCRay4 Rays;
   static constexpr auto intersect = rtcIntersect4;
   static constexpr auto occluded = rtcOccluded4;
 };
-template<> struct PacketKernels<8>
-{
+template<> struct PacketKernels<8> {
   typedef RTCRayHit8 RayHits;
   typedef RTCRay8 Rays;
   static constexpr auto intersect = rtcIntersect8;
   static constexpr auto occluded = rtcOccluded8;
 };
-template<> struct PacketKernels<16>
-{
+template<> struct PacketKernels<16> {
   typedef RTCRayHit16 RayHits;
   typedef RTCRay16 Rays;
   static constexpr auto intersect = rtcIntersect16;
@@ -101,20 +91,23 @@ template<> struct PacketKernels<16>
 };
 
 template<unsigned int K>
-struct AllValid
-{
+struct AllValid {
   alignas(64) int valid[K];
-  AllValid() { for (int& v : valid) v = -1; }
+  AllValid() {
+    for (int& v : valid) v = -1;
+  }
 };
 
 /* Returns a mask of the rays with a hit. valid: NULL if all rays are valid. */
 template<unsigned int K>
-unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
-{
-  if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
+unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  if (!group || !rays) {
+    embree::beside::rejectArgument("group or rays are NULL");
+    return 0;
+  }
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
-      [=](const CbvhQuery* converted) { return intersect<K>(group, valid, rays, converted); });
+                              [=](const CbvhQuery* converted) { return intersect<K>(group, valid, rays, converted); });
   if (!isTraceable(group)) return 0;
   typename PacketKernels<K>::RayHits& packet = *(typename PacketKernels<K>::RayHits*)rays;
   static const AllValid<K> all;
@@ -136,32 +129,38 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
 
 /* Returns a mask of the occluded rays, except rays whose tfar was negative before the call. */
 template<unsigned int K>
-unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
-{
-  if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
+unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  if (!group || !rays) {
+    embree::beside::rejectArgument("group or rays are NULL");
+    return 0;
+  }
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
-      [=](const CbvhQuery* converted) { return occluded<K>(group, valid, rays, converted); });
+                              [=](const CbvhQuery* converted) { return occluded<K>(group, valid, rays, converted); });
   if (!isTraceable(group)) return 0;
   typename PacketKernels<K>::Rays& packet = *(typename PacketKernels<K>::Rays*)rays;
   static const AllValid<K> all;
   if (!valid) valid = all.valid;
   unsigned int inactive = 0, hits = 0;
-  for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) inactive |= 1u << i;
+  for (unsigned int i = 0; i < K; i++)
+    if (packet.tfar[i] < 0) inactive |= 1u << i;
   QueryContext context(query);
   PacketKernels<K>::occluded(valid, group->scene, &context.rtcContext, &packet);
-  for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) hits |= 1u << i;
+  for (unsigned int i = 0; i < K; i++)
+    if (packet.tfar[i] < 0) hits |= 1u << i;
   return hits & ~inactive;
 }
 
 } // namespace
 
-int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
-{
-  if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
+int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query) {
+  if (!group || !ray) {
+    embree::beside::rejectArgument("group or ray is NULL");
+    return 0;
+  }
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
-      [=](const CbvhQuery* converted) { return cbvhIntersect1(group, ray, converted); });
+                              [=](const CbvhQuery* converted) { return cbvhIntersect1(group, ray, converted); });
   if (!isTraceable(group)) return 0;
   RTCRayHit* const rayHit = (RTCRayHit*)ray;
   const unsigned int geomID = rayHit->hit.geomID, instID = rayHit->hit.instID[0];
@@ -174,12 +173,14 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
   return 0;
 }
 
-int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
-{
-  if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
+int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query) {
+  if (!group || !ray) {
+    embree::beside::rejectArgument("group or ray is NULL");
+    return 0;
+  }
   if (!isCurrent(query))
     return withConvertedQuery(group, query,
-      [=](const CbvhQuery* converted) { return cbvhOccluded1(group, ray, converted); });
+                              [=](const CbvhQuery* converted) { return cbvhOccluded1(group, ray, converted); });
   if (!isTraceable(group) || ray->tfar < 0) return 0;
   QueryContext context(query);
   rtcOccluded1(group->scene, &context.rtcContext, (RTCRay*)ray);

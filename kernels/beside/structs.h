@@ -31,8 +31,7 @@ CBVH_EXTENSIBLE_STRUCT(CbvhClusterStatistics, numTrianglesByReason);
 
 namespace beside {
 
-inline DicingCamera cameraOf(const CbvhDicingArguments& dicing)
-{
+inline DicingCamera cameraOf(const CbvhDicingArguments& dicing) {
   const DicingCamera defaults;
   DicingCamera camera = dicingCamera(dicing);
   if (camera.quadSize == 0) camera.quadSize = defaults.quadSize;
@@ -41,23 +40,24 @@ inline DicingCamera cameraOf(const CbvhDicingArguments& dicing)
   return camera;
 }
 
-inline CbvhTriangle toPublic(const cbvh::StoredTriangle& triangle)
-{
+inline CbvhTriangle toPublic(const cbvh::StoredTriangle& triangle) {
   CbvhTriangle to;
   static_assert(sizeof(to) == sizeof(triangle), "CbvhTriangle must have the layout of StoredTriangle");
   std::memcpy(&to, &triangle, sizeof(to));
   return to;
 }
 
-inline CbvhPart toPublic(const cbvh::StoredPart& part)
-{
+inline CbvhPart toPublic(const cbvh::StoredPart& part) {
   return {part.primID, part.width, part.height, part.vertices, part.parameters, part.primIDs, part.primitivesPerQuad};
 }
 
-static_assert(CBVH_CLUSTER_FORMAT_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
-    && CBVH_CLUSTER_FORMAT_DGF1 == int(cbvh::ClusterFormat::DGF1), "values of CbvhClusterFormat");
-static_assert(CBVH_CLUSTER_REASON_FLOATS == int(cbvh::ClusterReason::FLOATS)
-    && CBVH_CLUSTER_REASON_MOVING == int(cbvh::ClusterReason::MOVING)
-    && CBVH_CLUSTER_REASON_OUT_OF_RANGE == int(cbvh::ClusterReason::OUT_OF_RANGE), "values of CbvhClusterReason");
+static_assert(CBVH_CLUSTER_FORMAT_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1) &&
+                  CBVH_CLUSTER_FORMAT_DGF1 == int(cbvh::ClusterFormat::DGF1),
+              "values of CbvhClusterFormat");
+static_assert(CBVH_CLUSTER_REASON_FLOATS == int(cbvh::ClusterReason::FLOATS) &&
+                  CBVH_CLUSTER_REASON_MOVING == int(cbvh::ClusterReason::MOVING) &&
+                  CBVH_CLUSTER_REASON_OUT_OF_RANGE == int(cbvh::ClusterReason::OUT_OF_RANGE),
+              "values of CbvhClusterReason");
 
-}} // namespace embree::beside
+} // namespace beside
+} // namespace embree

@@ -20,14 +20,13 @@ namespace embree { namespace beside {
 
 /* A geometry of the kernels, and the user data of its callbacks. After commit(), the geometry has blocks, but no
  * vertices. */
-struct Input
-{
+struct Input {
   RTCGeometry geometry;
   unsigned int numPrimitives = 0;
-  size_t numIndices = 0;              // of a cage, otherwise 0
+  size_t numIndices = 0; // of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementUserPtr = nullptr;
-  std::vector<unsigned int> widths;   // floats per value of each attribute
+  std::vector<unsigned int> widths; // floats per value of each attribute
   // if a cage has attributes: its faces without four corners, and their numbers of corners; sorted by face
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
   CbvhProgressFunction progress = nullptr; // NULL except during a commit
@@ -49,8 +48,7 @@ struct Input
 
 }} // namespace embree::beside
 
-struct CbvhSurfaceTy : embree::beside::RefCounted
-{
+struct CbvhSurfaceTy : embree::beside::RefCounted {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
   /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until commit() succeeds or
@@ -95,8 +93,7 @@ private:
 
   /* Exists while the surface is changed. The constructor throws if another change is in progress, such as a commit
    * whose callback changes the surface. */
-  class ChangeScope
-  {
+  class ChangeScope {
   public:
     explicit ChangeScope(CbvhSurfaceTy& surface);
     ~ChangeScope() { surface.isChanging = false; }
@@ -115,11 +112,11 @@ private:
   /* Replaces the pending input, unless the device reported an error, which it throws. */
   void setPending(InputPtr input);
 
-  InputPtr current, pending;    // input of the last commit or load(), and of the next commit
+  InputPtr current, pending;              // input of the last commit or load(), and of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(); // of the next commit
   bool isLossless = false;                // the same
   embree::CompressionSettings committedSettings = settingsOf(accuracy, isLossless);
   unsigned int mask = ~0u, appliedMask = ~0u; // value of setMask(), and value of the committed geometry
-  std::atomic<bool> isChanging{false}; // set while a ChangeScope exists
-  std::atomic<bool> isPendingInUse{false}; // set while callbacks of the pending input may be called
+  std::atomic<bool> isChanging{false};        // set while a ChangeScope exists
+  std::atomic<bool> isPendingInUse{false};    // set while callbacks of the pending input may be called
 };

@@ -13,7 +13,10 @@
 # the index of source packages.
 set -eu
 package=$1 version=$2 directory=$3 suite=$4
-command -v apt-get > /dev/null || { echo "this machine has no apt-get" >&2; exit 1; }
+command -v apt-get > /dev/null || {
+  echo "this machine has no apt-get" >&2
+  exit 1
+}
 
 state=$(mktemp -d)
 trap 'rm -rf "$state"' EXIT
@@ -37,7 +40,10 @@ indices() {
 }
 # apt lists only downloaded indices. If there are none, download them.
 indices env || { run apt-get update >&2 && indices run; } ||
-  { echo "apt on this machine has no source of Debian's main component" >&2; exit 1; }
+  {
+    echo "apt on this machine has no source of Debian's main component" >&2
+    exit 1
+  }
 
 # Sources to try, one after another: the suite and its updates if they are configured, otherwise the suite on each
 # mirror. Mirrors of security updates and backports, which have a hyphen in their names, do not contain it.
@@ -64,6 +70,10 @@ attempt() {
   echo "suite $suite of this machine's mirror of Debian does not answer, or lacks source package $package $version"
   return 1
 }
-attempt >&2 || { echo "first attempt failed, trying once more" >&2; sleep 3; attempt >&2; }
+attempt >&2 || {
+  echo "first attempt failed, trying once more" >&2
+  sleep 3
+  attempt >&2
+}
 
 mv "$state/download/${package}_$version".orig.tar.* "$directory/"

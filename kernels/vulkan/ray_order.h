@@ -10,13 +10,14 @@
 
 CBVH_BEGIN
 
-CVERT_CONSTANT uint32_t orderThreads = 256u;         //!< threads per workgroup
+CVERT_CONSTANT uint32_t orderThreads = 256u; //!< threads per workgroup
 CVERT_CONSTANT uint32_t orderKeysPerThread = 16u;
-CVERT_CONSTANT uint32_t orderTileSize = orderThreads*orderKeysPerThread; //!< keys per workgroup that counts or scatters
-CVERT_CONSTANT uint32_t orderDigitBits = 4u;         //!< bits that a pass sorts by
-CVERT_CONSTANT uint32_t orderRadix = 16u;            //!< values of a digit, 2^orderDigitBits
-CVERT_CONSTANT uint32_t orderPasses = 8u;            //!< for keys of 30 bits; even, so that the result is in the first
-                                                     //!< of two buffers
+CVERT_CONSTANT uint32_t orderTileSize =
+    orderThreads * orderKeysPerThread;       //!< keys per workgroup that counts or scatters
+CVERT_CONSTANT uint32_t orderDigitBits = 4u; //!< bits that a pass sorts by
+CVERT_CONSTANT uint32_t orderRadix = 16u;    //!< values of a digit, 2^orderDigitBits
+CVERT_CONSTANT uint32_t orderPasses = 8u;    //!< for keys of 30 bits; even, so that the result is in the first
+                                             //!< of two buffers
 
 CBVH_END
 

@@ -21,32 +21,28 @@ static _Thread_local bool allocatesBuffer;
 static Monitor applications;
 static void* applicationsPtr;
 
-static bool count(void* userPtr, ssize_t bytes, bool after)
-{
+static bool count(void* userPtr, ssize_t bytes, bool after) {
   (void)userPtr;
   atomic_fetch_add(&live, bytes);
   if (allocatesBuffer) atomic_fetch_add(&buffers, bytes);
   return applications ? applications(applicationsPtr, bytes, after) : true;
 }
 
-void rtcSetDeviceMemoryMonitorFunction(void* device, Monitor monitor, void* userPtr)
-{
+void rtcSetDeviceMemoryMonitorFunction(void* device, Monitor monitor, void* userPtr) {
   void (*real)(void*, Monitor, void*) = dlsym(RTLD_NEXT, "rtcSetDeviceMemoryMonitorFunction");
   applications = monitor;
   applicationsPtr = userPtr;
   real(device, count, NULL);
 }
 
-void* rtcNewDevice(const char* settings)
-{
+void* rtcNewDevice(const char* settings) {
   void* (*real)(const char*) = dlsym(RTLD_NEXT, "rtcNewDevice");
   void* const device = real(settings);
   if (device) rtcSetDeviceMemoryMonitorFunction(device, NULL, NULL);
   return device;
 }
 
-void* rtcSetNewGeometryBuffer(void* geometry, int type, unsigned int slot, int format, size_t stride, size_t count)
-{
+void* rtcSetNewGeometryBuffer(void* geometry, int type, unsigned int slot, int format, size_t stride, size_t count) {
   void* (*real)(void*, int, unsigned int, int, size_t, size_t) = dlsym(RTLD_NEXT, "rtcSetNewGeometryBuffer");
   allocatesBuffer = true;
   void* const buffer = real(geometry, type, slot, format, stride, count);
@@ -54,21 +50,19 @@ void* rtcSetNewGeometryBuffer(void* geometry, int type, unsigned int slot, int f
   return buffer;
 }
 
-static void commit(const char* name, void* object)
-{
+static void commit(const char* name, void* object) {
   void (*real)(void*) = dlsym(RTLD_NEXT, name);
   struct timespec begin, end;
   clock_gettime(CLOCK_MONOTONIC, &begin);
   real(object);
   clock_gettime(CLOCK_MONOTONIC, &end);
-  atomic_fetch_add(&nanoseconds, 1000000000ll*(end.tv_sec - begin.tv_sec) + (end.tv_nsec - begin.tv_nsec));
+  atomic_fetch_add(&nanoseconds, 1000000000ll * (end.tv_sec - begin.tv_sec) + (end.tv_nsec - begin.tv_nsec));
 }
 
 void rtcCommitGeometry(void* geometry) { commit("rtcCommitGeometry", geometry); }
 
-void rtcCommitScene(void* scene)
-{
+void rtcCommitScene(void* scene) {
   commit("rtcCommitScene", scene);
-  fprintf(stderr, "commit: %.3f s, %lld bytes, %lld of them buffers\n", 1e-9*atomic_load(&nanoseconds),
+  fprintf(stderr, "commit: %.3f s, %lld bytes, %lld of them buffers\n", 1e-9 * atomic_load(&nanoseconds),
           atomic_load(&live), atomic_load(&buffers));
 }

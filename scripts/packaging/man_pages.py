@@ -36,11 +36,10 @@ TYPE = re.compile(
 )
 LABEL = re.compile(r"^(?P<names>[A-Za-z]\w*(?:, [A-Za-z]\w*)*):\s+(?P<text>.*)", re.S)
 DEFAULT = re.compile(  # the default of a member in C++
-    r" (?:(?:RTC_COMPRESSION|CBVH)_SIZE_OF\(\w+\)|RTC_DEFAULT\([^)]*\)|RTC_ZERO|CBVH_ZERO(?:14)?)(?=[;,])")
-INIT_FUNCTION = re.compile(r"Call \w+Init\w+ first")  # in the comment of a struct; sets structSize
-STRUCT_SIZE = (
-    "Set structSize to the sizeof of its struct: in C++, T s; does so; in C, T s = {.structSize = sizeof(s)}."
+    r" (?:(?:RTC_COMPRESSION|CBVH)_SIZE_OF\(\w+\)|RTC_DEFAULT\([^)]*\)|RTC_ZERO|CBVH_ZERO(?:14)?)(?=[;,])"
 )
+INIT_FUNCTION = re.compile(r"Call \w+Init\w+ first")  # in the comment of a struct; sets structSize
+STRUCT_SIZE = "Set structSize to the sizeof of its struct: in C++, T s; does so; in C, T s = {.structSize = sizeof(s)}."
 SECTIONS = {"Returns ": "RETURN VALUE", "Return ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 FIRST_VERSION = "0.9.0"
 SECOND_VERSION = "1.0.0"  # the next release

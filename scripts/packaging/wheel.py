@@ -137,8 +137,9 @@ def rename_libraries(copies, binaries):
 def package_of(file):
     """Name of the Debian package that installed a file. dpkg may know it by its path before /lib became a link."""
     for path in (file, Path("/", *file.parts[2:])):
-        result = subprocess.run(["dpkg-query", "-S", path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                encoding="utf-8", check=False)
+        result = subprocess.run(
+            ["dpkg-query", "-S", path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8", check=False
+        )
         if result.returncode == 0:
             return result.stdout.partition(":")[0]
     sys.exit(f"{file}: no package installed this library, so its license is unknown")
@@ -189,8 +190,9 @@ def write_metadata(folder, version, pythons, tag):
     (folder / "METADATA").write_text(text, encoding="utf-8")
     # The name of a wheel abbreviates tags; this file lists them.
     tags = "".join(f"Tag: {'-'.join(parts)}\n" for parts in itertools.product(*(part.split(".") for part in tag)))
-    (folder / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: embree-cbvh\nRoot-Is-Purelib: false\n{tags}",
-                                  encoding="utf-8")
+    (folder / "WHEEL").write_text(
+        f"Wheel-Version: 1.0\nGenerator: embree-cbvh\nRoot-Is-Purelib: false\n{tags}", encoding="utf-8"
+    )
 
 
 def write_wheel(stage, info, wheel):

@@ -29,41 +29,58 @@ unpack() {
   if [ ! -e "$1" ]; then
     echo "downloading $package $version"
     "$here/../../kernels/upstream/fetch.sh" "$package" "$version" "$work/archives" "$suite" > "$work/log" 2>&1 ||
-      { tail -n 1 "$work/log" >&2; return 1; }
+      {
+        tail -n 1 "$work/log" >&2
+        return 1
+      }
     set -- "$work/archives/${package}_$version".orig.tar.*
   fi
   found=$(sha256sum "$1")
   [ "${found%% *}" = "$sum" ] ||
-    { echo "$1: SHA-256 is ${found%% *}, expected $sum" >&2; return 1; }
+    {
+      echo "$1: SHA-256 is ${found%% *}, expected $sum" >&2
+      return 1
+    }
   tar -xf "$1" -C "$work/$package.part" --strip-components=1
   mv "$work/$package.part" "$work/$package"
 }
 
 # install PACKAGE OPTION...: configures, builds and installs
 install() {
-  package=$1; shift
+  package=$1
+  shift
   cmake -G Ninja -S "$work/$package" -B "$work/$package-build" -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_C_FLAGS_RELEASE="-O2 -DNDEBUG" -DCMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG" \
     -DCMAKE_C_COMPILER_LAUNCHER="$(command -v ccache)" -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache)" \
     -DCMAKE_INSTALL_PREFIX="$prefix" -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_PREFIX_PATH="$prefix" "$@" \
     > "$work/log" 2>&1 ||
-    { tail -n 30 "$work/log" >&2; return 1; }
+    {
+      tail -n 30 "$work/log" >&2
+      return 1
+    }
   cmake --build "$work/$package-build" -j "$jobs" --target install > "$work/log" 2>&1 ||
-    { tail -n 30 "$work/log" >&2; return 1; }
+    {
+      tail -n 30 "$work/log" >&2
+      return 1
+    }
   echo "built $package"
 }
 
 # unpack_headers SUITE PACKAGE...: downloads packages of another release, which are not installed, and unpacks them to
 # SUITE. apt checks their signatures.
 unpack_headers() {
-  suite=$1; shift
+  suite=$1
+  shift
   [ ! -e "$work/$suite" ] || return 0
   apt=$work/apt
   rm -rf "$apt" "$work/$suite.part"
   echo "downloading $*"
   { private_apt_update "$(dpkg --print-architecture)" "$suite" 'Codename: bookworm' &&
     (cd "$apt" && private_apt apt-get download "$@"); } > "$work/log" 2>&1 ||
-    { tail -n 5 "$work/log" >&2; return 1; }
+    {
+      tail -n 5 "$work/log" >&2
+      return 1
+    }
   for file in "$apt"/*.deb; do
     dpkg -x "$file" "$work/$suite.part"
   done

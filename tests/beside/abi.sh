@@ -10,7 +10,10 @@
 #   abi.sh HEADER VERSION-SCRIPT [--write]
 set -eu
 header=$1 versions=$2 here=$(cd -- "$(dirname -- "$0")" && pwd)
-command -v abidiff > /dev/null || { echo "abidiff is not installed (Debian: abigail-tools)"; exit 77; }
+command -v abidiff > /dev/null || {
+  echo "abidiff is not installed (Debian: abigail-tools)"
+  exit 77
+}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 {
@@ -23,11 +26,18 @@ trap 'rm -rf "$work"' EXIT
 cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 \
   -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
 abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.0"
-[ "${3:-}" != --write ] || { sed "s|path='[^']*/|path='|" "$work/now.abi" > "$here/libembree_cbvh.abi"; exit 0; }
+[ "${3:-}" != --write ] || {
+  sed "s|path='[^']*/|path='|" "$work/now.abi" > "$here/libembree_cbvh.abi"
+  exit 0
+}
 functions=$(grep -c '<function-decl' "$here/libembree_cbvh.abi")
 status=0
 abidiff "$here/libembree_cbvh.abi" "$work/now.abi" > "$work/report" || status=$?
-[ $((status & 3)) = 0 ] || { cat "$work/report"; echo "abidiff failed"; exit 1; }
+[ $((status & 3)) = 0 ] || {
+  cat "$work/report"
+  echo "abidiff failed"
+  exit 1
+}
 if [ $((status & 8)) != 0 ] || grep -q "^[1-9][0-9]* .*[Cc]hanged\|^  \[C\]" "$work/report"; then
   cat "$work/report"
   echo "FAILED: programs would have to be compiled again"

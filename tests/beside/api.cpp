@@ -24,23 +24,19 @@
 #include <memory>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-struct Context
-{
+struct Context {
   CbvhContext handle = nullptr;
   std::vector<std::pair<CbvhError, std::string>> reported;
 
-  Context()
-  {
-    EXPECT_EQ(cbvhNewContext(
-                nullptr,
-                [](void* self, CbvhError code, const char* text) {
-                  ((Context*)self)->reported.push_back({code, text});
-                },
-                this, &handle),
-              CBVH_OK);
+  Context() {
+    EXPECT_EQ(
+        cbvhNewContext(
+            nullptr,
+            [](void* self, CbvhError code, const char* text) { ((Context*)self)->reported.push_back({code, text}); },
+            this, &handle),
+        CBVH_OK);
   }
   ~Context() { cbvhReleaseContext(handle); }
   Context(const Context&) = delete;
@@ -48,8 +44,7 @@ struct Context
   operator CbvhContext() const { return handle; }
 
   // This error and no other since the last call.
-  void expect(CbvhError found, CbvhError code, const std::vector<std::string>& parts)
-  {
+  void expect(CbvhError found, CbvhError code, const std::vector<std::string>& parts) {
     EXPECT_EQ(found, code);
     EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), parts));
     ASSERT_EQ(reported.size(), 1u);
@@ -59,8 +54,7 @@ struct Context
   }
 };
 
-struct Surface
-{
+struct Surface {
   CbvhSurface handle = nullptr;
   explicit Surface(CbvhContext context) { EXPECT_EQ(cbvhNewSurface(context, &handle), CBVH_OK); }
   ~Surface() { cbvhReleaseSurface(handle); }
@@ -69,12 +63,10 @@ struct Surface
   operator CbvhSurface() const { return handle; }
 };
 
-struct Group
-{
+struct Group {
   CbvhGroup handle = nullptr;
   CbvhError committed;
-  Group(CbvhContext context, const std::vector<CbvhSurface>& surfaces)
-  {
+  Group(CbvhContext context, const std::vector<CbvhSurface>& surfaces) {
     EXPECT_EQ(cbvhNewGroup(context, surfaces.data(), surfaces.size(), &handle), CBVH_OK);
     committed = cbvhCommitGroup(handle);
   }
@@ -85,26 +77,29 @@ struct Group
 };
 
 // Our displacement with the signature of libembree_cbvh.
-void displace(const CbvhDisplacementArguments* args)
-{
+void displace(const CbvhDisplacementArguments* args) {
   RTCDisplacementFunctionNArguments ours = RTCDisplacementFunctionNArguments();
   ours.geometryUserPtr = args->userPtr;
-  ours.primID = args->primID; ours.timeStep = args->timeStep;
-  ours.u = args->u; ours.v = args->v;
-  ours.Ng_x = args->Ng_x; ours.Ng_y = args->Ng_y; ours.Ng_z = args->Ng_z;
-  ours.P_x = args->P_x; ours.P_y = args->P_y; ours.P_z = args->P_z;
+  ours.primID = args->primID;
+  ours.timeStep = args->timeStep;
+  ours.u = args->u;
+  ours.v = args->v;
+  ours.Ng_x = args->Ng_x;
+  ours.Ng_y = args->Ng_y;
+  ours.Ng_z = args->Ng_z;
+  ours.P_x = args->P_x;
+  ours.P_y = args->P_y;
+  ours.P_z = args->P_z;
   ours.N = args->count;
   Displacement::apply(&ours);
 }
 
 // Vertices of time steps as the API expects them, padded after the last vertex.
-struct Steps
-{
+struct Steps {
   std::vector<std::vector<Vec>> vertices;
   std::vector<const float*> pointers;
 
-  Steps(const std::vector<Vec>& positions, const DicedMotion& motion, unsigned numSteps)
-  {
+  Steps(const std::vector<Vec>& positions, const DicedMotion& motion, unsigned numSteps) {
     for (unsigned i = 0; i < numSteps; i++) {
       vertices.push_back(movedTo(positions, motion, i));
       vertices.back().push_back({0, 0, 0});
@@ -112,25 +107,27 @@ struct Steps
     for (const auto& step : vertices) pointers.push_back(&step[0][0]);
   }
 
-  CbvhVertices get(float begin = 0, float end = 1) const
-  {
+  CbvhVertices get(float begin = 0, float end = 1) const {
     return {vertices[0].size() - 1, sizeof(Vec), pointers.data(), unsigned(vertices.size()), begin, end};
   }
 };
 
-struct CageInput
-{
+struct CageInput {
   std::vector<unsigned> faces, indices, creases, holes;
   std::vector<float> weights;
   Steps steps;
   CbvhCage cage = CbvhCage();
 
   CageInput(const Cage& from, const SurfaceSettings& settings)
-    : faces(from.faces.begin(), from.faces.end()), indices(from.indices.begin(), from.indices.end()),
-      holes(from.holes.begin(), from.holes.end()), weights(from.creaseWeights),
-      steps(from.positions, settings.motion, settings.timeSteps)
-  {
-    for (const auto& crease : from.creases) { creases.push_back(crease[0]); creases.push_back(crease[1]); }
+    : faces(from.faces.begin(), from.faces.end()),
+      indices(from.indices.begin(), from.indices.end()),
+      holes(from.holes.begin(), from.holes.end()),
+      weights(from.creaseWeights),
+      steps(from.positions, settings.motion, settings.timeSteps) {
+    for (const auto& crease : from.creases) {
+      creases.push_back(crease[0]);
+      creases.push_back(crease[1]);
+    }
     cage.numFaces = faces.size();
     cage.faceVertexCounts = faces.data();
     cage.numIndices = indices.size();
@@ -150,8 +147,7 @@ struct CageInput
 };
 
 // Compares bits, except for IDs of geometries and instances.
-void expectSame(RTCScene scene, CbvhGroup group, const std::vector<RTCRayHit>& rays)
-{
+void expectSame(RTCScene scene, CbvhGroup group, const std::vector<RTCRayHit>& rays) {
   size_t hits = 0;
   for (const RTCRayHit& ray : rays) {
     const RTCRayHit expected = intersect(scene, ray);
@@ -163,38 +159,34 @@ void expectSame(RTCScene scene, CbvhGroup group, const std::vector<RTCRayHit>& r
     ASSERT_EQ(cbvhOccluded1(group, &any, nullptr) != 0, isHit(expected));
     ASSERT_EQ(std::memcmp(&found.ray, &expected.ray, sizeof(found.ray)), 0);
     if (!isHit(expected)) continue;
-    ASSERT_EQ(std::memcmp(&found.hit, &expected.hit, 6*sizeof(float)), 0);
+    ASSERT_EQ(std::memcmp(&found.hit, &expected.hit, 6 * sizeof(float)), 0);
     hits++;
   }
-  EXPECT_GT(hits, rays.size()/20);
+  EXPECT_GT(hits, rays.size() / 20);
 }
 
-SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float rate)
-{
+SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float rate) {
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.compression = RTC_COMPRESSION_CVERT;
   settings.rate = rate;
   settings.timeSteps = timeSteps;
-  settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3 * i) : p; };
   return settings;
 }
 
-struct Clusters
-{
+struct Clusters {
   std::vector<std::vector<unsigned char>> data;
 
   template<typename Cluster>
-  static void add(void* self, const Cluster* cluster)
-  {
+  static void add(void* self, const Cluster* cluster) {
     ((Clusters*)self)
-      ->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
-    ((Clusters*)self)->data.emplace_back(cluster->indices, cluster->indices + 3*cluster->numTriangles);
+        ->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
+    ((Clusters*)self)->data.emplace_back(cluster->indices, cluster->indices + 3 * cluster->numTriangles);
   }
 };
 
-TEST(Beside, ClustersMatchOurEmbree)
-{
+TEST(Beside, ClustersMatchOurEmbree) {
   Context context;
   Device device;
   Displacement displacement;
@@ -204,8 +196,8 @@ TEST(Beside, ClustersMatchOurEmbree)
   Surface surface(context);
   ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
   EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr),
-    CBVH_ERROR_INVALID_OPERATION)
-    << "not committed";
+            CBVH_ERROR_INVALID_OPERATION)
+      << "not committed";
   context.reported.clear();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   Scene scene(device);
@@ -218,45 +210,43 @@ TEST(Beside, ClustersMatchOurEmbree)
       CbvhClusterStatistics report;
       RTCCompressedClusterStatistics expected;
       ASSERT_EQ(cbvhForEachCluster(
-                  surface, time, CbvhClusterFormat(format),
-                  [](void* self, const CbvhCluster* cluster) {
-                    Clusters::add(self, cluster);
-                    return 1;
-                  },
-                  &ours, &report),
+                    surface, time, CbvhClusterFormat(format),
+                    [](void* self, const CbvhCluster* cluster) {
+                      Clusters::add(self, cluster);
+                      return 1;
+                    },
+                    &ours, &report),
                 CBVH_OK);
       rtcForEachCompressedCluster(
-        geometry, time, RTCCompressedClusterFormat(format),
-        [](void* self, const RTCCompressedCluster* cluster) {
-          Clusters::add(self, cluster);
-          return true;
-        },
-        &theirs, &expected);
+          geometry, time, RTCCompressedClusterFormat(format),
+          [](void* self, const RTCCompressedCluster* cluster) {
+            Clusters::add(self, cluster);
+            return true;
+          },
+          &theirs, &expected);
       EXPECT_GT(ours.data.size(), 0u);
       EXPECT_EQ(ours.data, theirs.data);
       EXPECT_EQ(std::memcmp(&report, &expected, sizeof(report)), 0);
     }
   size_t calls = 0;
   EXPECT_EQ(cbvhForEachCluster(
-              surface, 0, CBVH_CLUSTER_FORMAT_DGF1, [](void* n,
-                const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls,
-              nullptr),
+                surface, 0, CBVH_CLUSTER_FORMAT_DGF1,
+                [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls, nullptr),
             CBVH_OK);
   EXPECT_EQ(calls, 3u) << "a callback that returns 0 ends the calls";
   EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr),
-    CBVH_ERROR_INVALID_ARGUMENT);
+            CBVH_ERROR_INVALID_ARGUMENT);
   context.reported.clear();
   context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr),
                  CBVH_ERROR_INVALID_ARGUMENT, {" 7"});
 }
 
-TEST(Beside, CageHitsMatchOurEmbree)
-{
+TEST(Beside, CageHitsMatchOurEmbree) {
   Random random(91);
   Device device;
   Context context;
   Cage creased = cubeCage();
-  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
   creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
   Cage withHole = sheetCage(4);
   withHole.holes = {5};
@@ -286,12 +276,11 @@ TEST(Beside, CageHitsMatchOurEmbree)
 }
 
 // The commit reads vertices of grids and meshes; they are released before rays are traced.
-TEST(Beside, GridAndMeshHitsMatchOurEmbree)
-{
+TEST(Beside, GridAndMeshHitsMatchOurEmbree) {
   Random random(92);
   Device device;
   Context context;
-  const DicedMotion motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  const DicedMotion motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3 * i) : p; };
   Diced diced = dicedSheet(3, 16);
   diced.motion = motion;
   for (unsigned timeSteps : {1u, 2u}) {
@@ -332,14 +321,13 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
 }
 
 // No vertex moves. Without cbvhSetSurfaceLossless, surfaces use the default precision again.
-TEST(Beside, LosslessHitsMatchOurEmbree)
-{
+TEST(Beside, LosslessHitsMatchOurEmbree) {
   Random random(95);
   Device exact("cbvh_max_error=0"), device;
   Context context;
   Displacement displacement;
   Diced diced = dicedSheet(2, 33);
-  diced.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  diced.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3 * i) : p; };
   std::vector<CbvhGrid> grids;
   for (const RTCGrid& g : diced.grids) grids.push_back({g.startVertexID, g.stride, g.width, g.height});
   for (unsigned timeSteps : {1u, 3u}) {
@@ -373,8 +361,7 @@ TEST(Beside, LosslessHitsMatchOurEmbree)
   EXPECT_TRUE(context.reported.empty());
 }
 
-TEST(Beside, FilesAreInterchangeableWithOurEmbree)
-{
+TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
   Random random(93);
   Folder folder;
   Context context;
@@ -383,12 +370,12 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree)
     SCOPED_TRACE(saveable.name);
     Device device;
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"ours").c_str())) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "ours").c_str())) << device.message;
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);
     CbvhSurface surface = nullptr;
-    ASSERT_EQ(cbvhLoadSurface(context, (folder/"ours").c_str(), &surface), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhLoadSurface(context, (folder / "ours").c_str(), &surface), CBVH_OK) << cbvhGetErrorText();
     EXPECT_GT(cbvhGetSurfacePrimitiveCount(surface), 0u);
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
     {
@@ -396,29 +383,29 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree)
       EXPECT_EQ(group.committed, CBVH_OK);
       ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 500)));
     }
-    ASSERT_EQ(cbvhSaveSurface(surface, (folder/"beside").c_str()), CBVH_OK) << cbvhGetErrorText();
-    EXPECT_EQ(bytesOf(folder/"ours"), bytesOf(folder/"beside"));
+    ASSERT_EQ(cbvhSaveSurface(surface, (folder / "beside").c_str()), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(bytesOf(folder / "ours"), bytesOf(folder / "beside"));
     cbvhReleaseSurface(surface);
   }
   EXPECT_TRUE(context.reported.empty());
 
   CbvhSurface none = nullptr;
-  const std::string whole = bytesOf(folder/"ours");
-  writeBytes(folder/"ours", whole.substr(0, 5000));
-  context.expect(cbvhLoadSurface(context, (folder/"ours").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
-                 {folder/"ours", " 5000 ", std::to_string(whole.size())});
-  context.expect(cbvhLoadSurface(context, (folder/"none").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
-                 {folder/"none", std::strerror(ENOENT)});
+  const std::string whole = bytesOf(folder / "ours");
+  writeBytes(folder / "ours", whole.substr(0, 5000));
+  context.expect(cbvhLoadSurface(context, (folder / "ours").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
+                 {folder / "ours", " 5000 ", std::to_string(whole.size())});
+  context.expect(cbvhLoadSurface(context, (folder / "none").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
+                 {folder / "none", std::strerror(ENOENT)});
   EXPECT_EQ(cbvhLoadSurface(context, nullptr, &none), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(none, nullptr);
   const Surface empty(context);
-  context.expect(cbvhSaveSurface(empty, (folder/"empty").c_str()), CBVH_ERROR_INVALID_OPERATION, {"cbvhCommitSurface"});
+  context.expect(cbvhSaveSurface(empty, (folder / "empty").c_str()), CBVH_ERROR_INVALID_OPERATION,
+                 {"cbvhCommitSurface"});
   context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"path ", "NULL"});
 }
 
 // The same as rtcDiceGeometry, whose tests check the rates.
-TEST(Beside, CagesAreDicedByTheView)
-{
+TEST(Beside, CagesAreDicedByTheView) {
   Random random(94);
   Context context;
   Device device;
@@ -458,9 +445,9 @@ TEST(Beside, CagesAreDicedByTheView)
       ASSERT_EQ(cbvhSetSurfaceCage(given, &input.cage), CBVH_OK);
       ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK);
       const Folder folder;
-      ASSERT_EQ(cbvhSaveSurface(surface, (folder/"diced").c_str()), CBVH_OK);
-      ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
-      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given")) << "both ways to set rates";
+      ASSERT_EQ(cbvhSaveSurface(surface, (folder / "diced").c_str()), CBVH_OK);
+      ASSERT_EQ(cbvhSaveSurface(given, (folder / "given").c_str()), CBVH_OK);
+      EXPECT_EQ(bytesOf(folder / "diced"), bytesOf(folder / "given")) << "both ways to set rates";
 
       dicing.pixelSize = 0;
       // the cage has been released
@@ -469,14 +456,13 @@ TEST(Beside, CagesAreDicedByTheView)
       context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"pixelSize", " 0", " 0"});
       context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"dicing ", "NULL"});
       ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a rejected view changes nothing";
-      ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
-      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given"));
+      ASSERT_EQ(cbvhSaveSurface(given, (folder / "given").c_str()), CBVH_OK);
+      EXPECT_EQ(bytesOf(folder / "diced"), bytesOf(folder / "given"));
     }
 }
 
 // The settings compress cages, and release them, whenever they are committed, which dicing must not do.
-TEST(Beside, CagesAreDicedWhateverTheSettingsSelect)
-{
+TEST(Beside, CagesAreDicedWhateverTheSettingsSelect) {
   CbvhContext context = nullptr;
   ASSERT_EQ(cbvhNewContext("subdiv_accel=cbvh,cbvh_release_input=1", nullptr, nullptr, &context), CBVH_OK);
   {
@@ -499,14 +485,13 @@ TEST(Beside, CagesAreDicedWhateverTheSettingsSelect)
   cbvhReleaseContext(context);
 }
 
-TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion)
-{
+TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion) {
   Random random(93);
   Context context;
   Device device;
   const Surface surface(context);
   DicedMesh mesh;
-  mesh.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*i); };
+  mesh.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3 * i); };
   for (unsigned i = 0; i < 3000; i++) {
     mesh.vertices.push_back({float(random.uniform()), float(random.uniform()), float(random.uniform())});
     if (i >= 3) mesh.triangles.push_back({random.below(i), random.below(i), random.below(i)});
@@ -526,8 +511,7 @@ TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion)
   }
 }
 
-TEST(Beside, InvalidInputIsReportedByName)
-{
+TEST(Beside, InvalidInputIsReportedByName) {
   Context context;
   const Surface surface(context);
   Displacement displacement;
@@ -552,28 +536,36 @@ TEST(Beside, InvalidInputIsReportedByName)
   expectInvalid({"time range", " 0 ", " 0"}, [](CbvhCage& c) { c.vertices.endTime = c.vertices.startTime; });
   expectInvalid({"time step 0", "NULL"}, [&](CbvhCage& c) { c.vertices.steps = none.data(); });
   expectInvalid({"time range", "-3e+38", "3e+38"}, [](CbvhCage& c) {
-    c.vertices.startTime = -3e38f; c.vertices.endTime = 3e38f;
+    c.vertices.startTime = -3e38f;
+    c.vertices.endTime = 3e38f;
   });
   expectInvalid({"no vertices"}, [](CbvhCage& c) { c.vertices.numVertices = 0; });
-  expectInvalid({"vertices", "4294967296", "4294967295"}, [](CbvhCage& c) {
-    c.vertices.numVertices = size_t(1) << 32;
+  expectInvalid({"vertices", "4294967296", "4294967295"},
+                [](CbvhCage& c) { c.vertices.numVertices = size_t(1) << 32; });
+  expectInvalid({"creases", "numCreases"}, [](CbvhCage& c) {
+    c.numCreases = 2;
+    c.creases = nullptr;
   });
-  expectInvalid({"creases", "numCreases"}, [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
   const unsigned edge[2] = {0, 1};
   for (float wrong : {NAN, -1.0f}) {
     const std::string value = std::isnan(wrong) ? "nan" : "-1";
     expectInvalid({"creaseSharpness", " 0 ", value, "0", "infinity"}, [&](CbvhCage& c) {
-      c.numCreases = 1; c.creases = edge; c.creaseSharpness = &wrong;
+      c.numCreases = 1;
+      c.creases = edge;
+      c.creaseSharpness = &wrong;
     });
     expectInvalid({"cornerSharpness", " 0 ", value, "0", "infinity"}, [&](CbvhCage& c) {
-      c.numCorners = 1; c.corners = edge; c.cornerSharpness = &wrong;
+      c.numCorners = 1;
+      c.corners = edge;
+      c.cornerSharpness = &wrong;
     });
   }
   expectInvalid({"boundary", " 9", "0", "3"}, [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
   const float value = 1;
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
   expectInvalid({"index 1", "attribute 0", " 4", " 1 "}, [&](CbvhCage& c) {
-    c.numAttributes = 1; c.attributes = &attribute;
+    c.numAttributes = 1;
+    c.attributes = &attribute;
   });
   const CbvhGrid grid = {0, 2, 2, 2};
   const float corner = 0;
@@ -632,15 +624,18 @@ TEST(Beside, InvalidInputIsReportedByName)
   EXPECT_EQ(none2, nullptr);
 }
 
-TEST(Beside, SharpnessOf10AndMoreIsInfinite)
-{
+TEST(Beside, SharpnessOf10AndMoreIsInfinite) {
   Context context;
   const unsigned edge[2] = {4, 5}, vertex = 7;
   // distances of hits next to the edge and to the vertex
   const auto distances = [&](float ofEdge, float ofVertex) {
     CbvhCage cage = cube();
-    cage.numCreases = 1; cage.creases = edge; cage.creaseSharpness = &ofEdge;
-    cage.numCorners = 1; cage.corners = &vertex; cage.cornerSharpness = &ofVertex;
+    cage.numCreases = 1;
+    cage.creases = edge;
+    cage.creaseSharpness = &ofEdge;
+    cage.numCorners = 1;
+    cage.corners = &vertex;
+    cage.cornerSharpness = &ofVertex;
     const Surface surface(context);
     EXPECT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
@@ -648,8 +643,12 @@ TEST(Beside, SharpnessOf10AndMoreIsInfinite)
     std::vector<float> found;
     for (float x : {0.0f, 1.0f}) {
       CbvhRayHit ray = rayFromAbove();
-      ray.ray.org_x = 3*x + 0.001f; ray.ray.org_y = x > 0 ? 3.0f : -3.0f; ray.ray.org_z = 3;
-      ray.ray.dir_x = -x; ray.ray.dir_y = x > 0 ? -1.0f : 1.0f; ray.ray.dir_z = -1;
+      ray.ray.org_x = 3 * x + 0.001f;
+      ray.ray.org_y = x > 0 ? 3.0f : -3.0f;
+      ray.ray.org_z = 3;
+      ray.ray.dir_x = -x;
+      ray.ray.dir_y = x > 0 ? -1.0f : 1.0f;
+      ray.ray.dir_z = -1;
       EXPECT_EQ(cbvhIntersect1(group, &ray, nullptr), 1);
       found.push_back(ray.ray.tfar);
     }
@@ -662,8 +661,7 @@ TEST(Beside, SharpnessOf10AndMoreIsInfinite)
 }
 
 // The interposer relies on it, see kernels/beside/interposer/input.cpp.
-TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10)
-{
+TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10) {
   const Device device;
   const auto surface = [&](float sharpness) {
     Cage cage = cubeCage();
@@ -672,9 +670,9 @@ TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10)
     const RTCGeometry geometry = newSurface(device, cage, SurfaceSettings());
     std::vector<float> points;
     for (unsigned primID = 0; primID < 6; primID++)
-      for (unsigned i = 0; i < 17*17; i++) {
+      for (unsigned i = 0; i < 17 * 17; i++) {
         float p[3];
-        rtcInterpolate0(geometry, primID, float(i % 17)/16, float(i/17)/16, RTC_BUFFER_TYPE_VERTEX, 0, p, 3);
+        rtcInterpolate0(geometry, primID, float(i % 17) / 16, float(i / 17) / 16, RTC_BUFFER_TYPE_VERTEX, 0, p, 3);
         points.insert(points.end(), p, p + 3);
       }
     rtcReleaseGeometry(geometry);
@@ -685,8 +683,7 @@ TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10)
   EXPECT_NE(surface(INFINITY), rounded);
 }
 
-TEST(Beside, NonFiniteDisplacementIsReported)
-{
+TEST(Beside, NonFiniteDisplacementIsReported) {
   Random random(94);
   Device device;
   Context context;
@@ -705,8 +702,7 @@ TEST(Beside, NonFiniteDisplacementIsReported)
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 2000)));
 }
 
-TEST(Beside, CommitsReportProgressAndCanBeCanceled)
-{
+TEST(Beside, CommitsReportProgressAndCanBeCanceled) {
   Random random(95);
   Device device;
   Context context;
@@ -715,7 +711,10 @@ TEST(Beside, CommitsReportProgressAndCanBeCanceled)
   const CageInput input(sheetCage(8), settings);
   const Surface surface(context);
   ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK);
-  struct Reported { std::atomic<unsigned> calls{0}; unsigned most; } reported;
+  struct Reported {
+    std::atomic<unsigned> calls{0};
+    unsigned most;
+  } reported;
   const auto progress = [](void* self, double done) {
     Reported& reported = *(Reported*)self;
     return int(done >= 0 && done <= 1 && ++reported.calls <= reported.most);
@@ -730,15 +729,14 @@ TEST(Beside, CommitsReportProgressAndCanBeCanceled)
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 1000)));
 }
 
-TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
-{
+TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased) {
   Device device;
   Context context;
   Displacement displacement;
   const Cage cage = cubeCage();
   std::vector<float> ofVertices, ofCorners;
   std::vector<unsigned> corners;
-  for (size_t i = 0; i < cage.positions.size(); i++) ofVertices.push_back(float(i*i));
+  for (size_t i = 0; i < cage.positions.size(); i++) ofVertices.push_back(float(i * i));
   for (size_t i = 0; i < cage.indices.size(); i++) {
     ofCorners.push_back(float(i % 4 == 1 || i % 4 == 2));
     ofCorners.push_back(float(i % 4 >= 2));
@@ -748,8 +746,8 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
   {
     CageInput input(cage, settingsOf(displacement, 1, 8));
     const CbvhAttribute attributes[2] = {
-      {ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH},
-      {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
+        {ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH},
+        {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
     input.cage.numAttributes = 2;
     input.cage.attributes = attributes;
     ASSERT_EQ(cbvhSetSurfaceCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
@@ -772,8 +770,7 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
 }
 
 // Limits of the faces at a vertex, of the cage or of an attribute's topology.
-TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
-{
+TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors) {
   Context context;
   Displacement displacement;
   const Cage poles = trapezohedronCage(1025), sheet = sheetCage(46);
@@ -808,13 +805,12 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
     }
     if (!isOwn) continue;
     ASSERT_EQ(cbvhInterpolateAttribute(surface, 2100, u, v, 0, &value, nullptr, nullptr), CBVH_OK)
-      << cbvhGetErrorText();
+        << cbvhGetErrorText();
     EXPECT_NEAR(value, 2, 1e-5f);
   }
 }
 
-TEST(Beside, ControlVerticesThatAreNotFiniteAreNamed)
-{
+TEST(Beside, ControlVerticesThatAreNotFiniteAreNamed) {
   Context context;
   Displacement displacement;
   Cage cage = sheetCage(8);
@@ -838,19 +834,18 @@ TEST(Beside, ControlVerticesThatAreNotFiniteAreNamed)
 }
 
 // A missing sample of a terrain is no error.
-TEST(Beside, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed)
-{
+TEST(Beside, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed) {
   Context context;
   const Surface surface(context);
   std::vector<Vec> vertices;
-  for (unsigned i = 0; i <= 2*9*9; i++) vertices.push_back({float(i % 9), float(i/9), 0});
-  vertices[9*9 + 40][2] = NAN;
+  for (unsigned i = 0; i <= 2 * 9 * 9; i++) vertices.push_back({float(i % 9), float(i / 9), 0});
+  vertices[9 * 9 + 40][2] = NAN;
   const float* const steps[] = {&vertices[0][0]};
-  const CbvhGrid all[] = {{0, 9, 9, 9}, {9*9, 9, 9, 9}};
+  const CbvhGrid all[] = {{0, 9, 9, 9}, {9 * 9, 9, 9, 9}};
   CbvhGrids grids;
   grids.numGrids = 2;
   grids.grids = all;
-  grids.vertices = {2*9*9, 12, steps, 1, 0, 1};
+  grids.vertices = {2 * 9 * 9, 12, steps, 1, 0, 1};
   ASSERT_EQ(cbvhSetSurfaceGrids(surface, &grids), CBVH_OK) << cbvhGetErrorText();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   const Group group(context, {surface});
@@ -862,8 +857,7 @@ TEST(Beside, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed)
   EXPECT_EQ(statistics.firstInvalidPrimitive, 1u);
 }
 
-TEST(Beside, MeshesAreStoredFromOneTriangleOn)
-{
+TEST(Beside, MeshesAreStoredFromOneTriangleOn) {
   Context context;
   const float vertices[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
   const float* const steps[] = {vertices[0]};
@@ -892,8 +886,7 @@ TEST(Beside, MeshesAreStoredFromOneTriangleOn)
   }
 }
 
-TEST(Beside, RaysIntoGroupsThatWereNeverCommitted)
-{
+TEST(Beside, RaysIntoGroupsThatWereNeverCommitted) {
   Context context;
   const Surface surface(context);
   Displacement displacement;
@@ -925,8 +918,7 @@ TEST(Beside, RaysIntoGroupsThatWereNeverCommitted)
 }
 
 // They have no effect, as in OpenSubdiv.
-TEST(Beside, CreasesBetweenVerticesThatShareNoEdgeAreNamed)
-{
+TEST(Beside, CreasesBetweenVerticesThatShareNoEdgeAreNamed) {
   Context context;
   const Surface surface(context);
   Cage cage = cubeCage();
@@ -942,8 +934,7 @@ TEST(Beside, CreasesBetweenVerticesThatShareNoEdgeAreNamed)
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
 }
 
-TEST(Beside, TrianglesAreReported)
-{
+TEST(Beside, TrianglesAreReported) {
   Random random(96);
   Context context;
   Displacement displacement;
@@ -965,29 +956,28 @@ TEST(Beside, TrianglesAreReported)
                 d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
     double height = 0, n = 0;
     for (int k = 0; k < 3; k++) {
-      height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
-      n += double(Ng[k])*Ng[k];
+      height += Ng[k] * (o[k] + double(r.ray.tfar) * d[k] - t.vertices[0][k]);
+      n += double(Ng[k]) * Ng[k];
     }
-    ASSERT_LT(std::fabs(height), 1e-5*std::sqrt(n));
+    ASSERT_LT(std::fabs(height), 1e-5 * std::sqrt(n));
   }
   EXPECT_GT(hits, 100u);
   CbvhTriangle t;
   EXPECT_FALSE(cbvhFindTriangle(surface, 0, 77, 0.5f, 0.5f, nullptr, &t));
   size_t quads = 0;
   ASSERT_EQ(cbvhForEachPart(
-              surface, 0.5f,
-              [](void* sum, const CbvhPart* part) {
-                *(size_t*)sum += size_t(part->width - 1)*(part->height - 1);
-                return 1;
-              },
-              &quads),
+                surface, 0.5f,
+                [](void* sum, const CbvhPart* part) {
+                  *(size_t*)sum += size_t(part->width - 1) * (part->height - 1);
+                  return 1;
+                },
+                &quads),
             CBVH_OK);
-  EXPECT_EQ(quads, 6u*16*16);
+  EXPECT_EQ(quads, 6u * 16 * 16);
 }
 
 // Groups use surfaces as of their last commit.
-TEST(Beside, ReferencedObjectsStayAlive)
-{
+TEST(Beside, ReferencedObjectsStayAlive) {
   CbvhContext context = nullptr;
   ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK);
   Displacement displacement;
@@ -1009,7 +999,8 @@ TEST(Beside, ReferencedObjectsStayAlive)
   EXPECT_LT(lower[0], -0.3f);
   EXPECT_GT(upper[2], 0.3f);
   CbvhRayHit ray = rayFromAbove();
-  ray.hit.geomID = 17; ray.hit.instID = 18;
+  ray.hit.geomID = 17;
+  ray.hit.instID = 18;
   EXPECT_TRUE(cbvhIntersect1(group, &ray, nullptr));
   EXPECT_EQ(ray.hit.geomID, 0u);
   EXPECT_EQ(ray.hit.instID, 18u);
@@ -1025,8 +1016,7 @@ TEST(Beside, ReferencedObjectsStayAlive)
 }
 
 // A surface may be set and committed while a thread traces a group that contains it: rays hit the group's last commit.
-TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted)
-{
+TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted) {
   const Context context;
   const Surface surface(context);
   const CbvhCage centered = cube();
@@ -1047,7 +1037,10 @@ TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted)
   std::atomic<bool> isDone{false};
   std::atomic<size_t> misses{0}, rays{0};
   std::thread tracing([&] {
-    while (!isDone) { misses += !isHit(); rays++; }
+    while (!isDone) {
+      misses += !isHit();
+      rays++;
+    }
   });
   for (int i = 0; i <= 100; i++) { // the last cage is `moved`
     EXPECT_EQ(cbvhSetSurfaceCage(surface, i % 2 ? &centered : &moved), CBVH_OK);
@@ -1062,5 +1055,4 @@ TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted)
   EXPECT_FALSE(isHit()) << "the new commit is elsewhere";
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

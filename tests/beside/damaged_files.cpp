@@ -10,17 +10,14 @@
 #include <cbvh/cbvh.h>
 #include <gtest/gtest.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-struct Reported
-{
+struct Reported {
   unsigned errors = 0;
   CbvhError code = CBVH_OK;
   std::string text;
 
-  static void function(void* self, CbvhError code, const char* text)
-  {
+  static void function(void* self, CbvhError code, const char* text) {
     Reported& reported = *(Reported*)self;
     reported.errors++;
     reported.code = code;
@@ -29,16 +26,14 @@ struct Reported
   }
 };
 
-struct Damaged : testing::Test
-{
+struct Damaged : testing::Test {
   Reported reported;
   CbvhContext context = nullptr;
   Folder folder;
-  const std::string path = folder/"surface.cbvh";
+  const std::string path = folder / "surface.cbvh";
   std::string whole;
 
-  Damaged()
-  {
+  Damaged() {
     EXPECT_EQ(cbvhNewContext(nullptr, Reported::function, &reported, &context), CBVH_OK);
     const Cage cage = cubeCage();
     const float* const steps[] = {cage.positions[0].data()};
@@ -61,16 +56,14 @@ struct Damaged : testing::Test
   ~Damaged() override { cbvhReleaseContext(context); }
 
   // Sets the first or the second half of the blocks to zero.
-  void damage(int half)
-  {
+  void damage(int half) {
     FileBytes file(whole);
-    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    const uint64_t bytes = file.record(0).blockBytes / 2, begin = file.record(0).blocks + (half ? bytes : 0);
     std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
     writeBytes(path, file.bytes);
   }
 
-  CbvhGroup load()
-  {
+  CbvhGroup load() {
     CbvhSurface surface = nullptr;
     CbvhGroup group = nullptr;
     EXPECT_EQ(cbvhLoadSurface(context, path.c_str(), &surface), CBVH_OK) << cbvhGetErrorText();
@@ -82,8 +75,7 @@ struct Damaged : testing::Test
   }
 
   // One error, which names the file and a block of its damaged first half.
-  void expectOne(CbvhError code)
-  {
+  void expectOne(CbvhError code) {
     EXPECT_EQ(reported.errors, 1u);
     EXPECT_EQ(reported.code, code);
     ASSERT_TRUE(containsInOrder(reported.text, {path, "block"}));
@@ -93,32 +85,33 @@ struct Damaged : testing::Test
     ASSERT_NE(at, std::string::npos) << reported.text;
     const unsigned long long offset = std::stoull(reported.text.substr(at));
     EXPECT_EQ(offset % 16, 0u) << reported.text;
-    EXPECT_LT(offset, FileBytes(whole).record(0).blockBytes/2) << reported.text;
+    EXPECT_LT(offset, FileBytes(whole).record(0).blockBytes / 2) << reported.text;
     reported = Reported();
   }
 
-  static std::vector<RTCRayHit> rays()
-  {
+  static std::vector<RTCRayHit> rays() {
     Random random(3);
     return raysAt(random, 2000);
   }
 };
 
-void traceSingle(CbvhGroup group, const std::vector<RTCRayHit>& rays)
-{
+void traceSingle(CbvhGroup group, const std::vector<RTCRayHit>& rays) {
   for (const RTCRayHit& r : rays) {
     CbvhRayHit hit;
     std::memset(&hit, 0, sizeof(hit));
-    hit.ray.org_x = r.ray.org_x; hit.ray.org_y = r.ray.org_y; hit.ray.org_z = r.ray.org_z;
-    hit.ray.dir_x = r.ray.dir_x; hit.ray.dir_y = r.ray.dir_y; hit.ray.dir_z = r.ray.dir_z;
+    hit.ray.org_x = r.ray.org_x;
+    hit.ray.org_y = r.ray.org_y;
+    hit.ray.org_z = r.ray.org_z;
+    hit.ray.dir_x = r.ray.dir_x;
+    hit.ray.dir_y = r.ray.dir_y;
+    hit.ray.dir_z = r.ray.dir_z;
     hit.ray.tfar = r.ray.tfar;
     hit.ray.mask = ~0u;
     cbvhIntersect1(group, &hit, nullptr);
   }
 }
 
-void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
-{
+void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays) {
   for (size_t first = 0; first + 8 <= rays.size(); first += 8) {
     RTCRay8 packet;
     std::memset(&packet, 0, sizeof(packet));
@@ -126,8 +119,12 @@ void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
     for (size_t i = 0; i < 8; i++) {
       const RTCRay& r = rays[first + i].ray;
       valid[i] = -1;
-      packet.org_x[i] = r.org_x; packet.org_y[i] = r.org_y; packet.org_z[i] = r.org_z;
-      packet.dir_x[i] = r.dir_x; packet.dir_y[i] = r.dir_y; packet.dir_z[i] = r.dir_z;
+      packet.org_x[i] = r.org_x;
+      packet.org_y[i] = r.org_y;
+      packet.org_z[i] = r.org_z;
+      packet.dir_x[i] = r.dir_x;
+      packet.dir_y[i] = r.dir_y;
+      packet.dir_z[i] = r.dir_z;
       packet.tfar[i] = r.tfar;
       packet.mask[i] = ~0u;
     }
@@ -135,8 +132,7 @@ void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
   }
 }
 
-TEST_F(Damaged, IsReportedByRays)
-{
+TEST_F(Damaged, IsReportedByRays) {
   for (const auto& [name, trace] :
        {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
     SCOPED_TRACE(name);
@@ -148,8 +144,7 @@ TEST_F(Damaged, IsReportedByRays)
   }
 }
 
-TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
-{
+TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks) {
   const auto parts = [](CbvhSurface surface) {
     return cbvhForEachPart(surface, 0, [](void*, const CbvhPart*) { return 1; }, nullptr);
   };
@@ -167,8 +162,7 @@ TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
 }
 
 // The first block is in one of the halves: damage of the other one is detected after some clusters.
-TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
-{
+TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt) {
   const CbvhClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {
     CbvhClusterStatistics& sums = *(CbvhClusterStatistics*)ptr;
     sums.numClusters++;
@@ -196,10 +190,12 @@ TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
 }
 
 // A callback traces rays while another object is committed: the commit must succeed.
-TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
-{
-  struct Callback { CbvhGroup group; std::vector<RTCRayHit> rays; } callback = {load(), rays()};
-  const float vertices[] = {0,0,0, 1,0,0, 1,1,0, 0,1,0, 0};
+TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback) {
+  struct Callback {
+    CbvhGroup group;
+    std::vector<RTCRayHit> rays;
+  } callback = {load(), rays()};
+  const float vertices[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0};
   const float* const steps[] = {vertices};
   const unsigned faces[] = {4}, indices[] = {0, 1, 2, 3};
   CbvhCage input = CbvhCage();
@@ -222,5 +218,4 @@ TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
   cbvhReleaseGroup(callback.group);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

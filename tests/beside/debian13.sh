@@ -40,7 +40,10 @@ for program in ./displaced_cage "./reload ./libembree_cbvh.so.0"; do
   leaks="--leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite"
   if ! inside "valgrind -q --undef-value-errors=no $leaks --error-exitcode=1 $program" > "$roots/log" 2>&1; then
     grep -q "nrecogni[sz]ed instruction\|unhandled instruction" "$roots/log" ||
-      { tail -n 30 "$roots/log"; fail "valgrind finds errors in $program"; }
+      {
+        tail -n 30 "$roots/log"
+        fail "valgrind finds errors in $program"
+      }
     echo "valgrind does not support this processor's instructions"
   fi
 done

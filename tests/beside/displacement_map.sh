@@ -8,7 +8,10 @@
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 
 # map NAME HEADER: writes 4 x 4 heights.
 map() { printf "$2"'0123456789abcdef' > "$folder/$1.pgm"; }

@@ -14,11 +14,9 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit)
-{
+TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit) {
   std::vector<float> vertices(std::begin(cubeVertices), std::end(cubeVertices));
   const float* const steps[] = {vertices.data()};
   CbvhCage cage = cube();
@@ -57,8 +55,7 @@ TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit)
   cbvhReleaseContext(context);
 }
 
-TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives)
-{
+TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives) {
   const CbvhCage cage = cube();
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr;
@@ -87,8 +84,7 @@ TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives)
   cbvhReleaseContext(context);
 }
 
-TEST(BesideExhaustedHeap, ContextsReturnTheReason)
-{
+TEST(BesideExhaustedHeap, ContextsReturnTheReason) {
   CbvhError error = CBVH_ERROR_UNKNOWN;
   refusesOnce = true;
   for (unsigned n = 0; error != CBVH_OK; n++) { // refuses one allocation after the first n
@@ -111,8 +107,7 @@ TEST(BesideExhaustedHeap, ContextsReturnTheReason)
 }
 
 // Memory also runs out while the error is reported.
-TEST(BesideExhaustedHeap, ErrorsAreReturned)
-{
+TEST(BesideExhaustedHeap, ErrorsAreReturned) {
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr;
   ASSERT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();
@@ -127,12 +122,16 @@ TEST(BesideExhaustedHeap, ErrorsAreReturned)
     refused = 0;
     allowed = n;
     isExhausted = true;
-    try { error = cbvhSetSurfaceAccuracy(surface, &accuracy); }
-    catch (...) { isThrown = true; }
+    try {
+      error = cbvhSetSurfaceAccuracy(surface, &accuracy);
+    } catch (...) { isThrown = true; }
     isExhausted = false;
     allowed = 0;
     EXPECT_FALSE(isThrown);
-    if (refused == 0) { EXPECT_EQ(error, CBVH_ERROR_INVALID_ARGUMENT); break; }
+    if (refused == 0) {
+      EXPECT_EQ(error, CBVH_ERROR_INVALID_ARGUMENT);
+      break;
+    }
     EXPECT_TRUE(isThrown || error == CBVH_ERROR_OUT_OF_MEMORY || error == CBVH_ERROR_INVALID_ARGUMENT) << error;
     numOutOfMemory += error == CBVH_ERROR_OUT_OF_MEMORY;
   }
@@ -141,5 +140,4 @@ TEST(BesideExhaustedHeap, ErrorsAreReturned)
   cbvhReleaseContext(context);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

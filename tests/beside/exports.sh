@@ -6,7 +6,10 @@
 # version, and requires no functions of Embree. odd_calls.cpp must call each function except cbvhGetVersion.
 set -eu
 library=$1 header=$2
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 exported=$(nm -D --defined-only "$library" | awk '$2 == "T" { sub(/@.*/, "", $3); print $3 }' | sort)
 declared=$(grep -o '^CBVH_API .*' "$header" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '(' | sort)
 [ "$exported" = "$declared" ] ||

@@ -43,29 +43,25 @@ inline unsigned failures = 0;
     } \
   } while (0)
 
-inline int conclude(const char* what)
-{
+inline int conclude(const char* what) {
   if (failures == 0) std::printf("passed: %s next to Embree %s\n", what, RTC_VERSION_STRING);
   return failures ? 1 : 0;
 }
 
 // --- queries of both versions of Embree ---------------------------------------------------------
 
-struct Query
-{
+struct Query {
   bool isCoherent = false;
   RTCFilterFunctionN filter = nullptr;
 };
 
 #if RTC_VERSION_MAJOR >= 4
-struct Arguments
-{
+struct Arguments {
   CbvhFilterContext context;
   RTCIntersectArguments intersect;
   RTCOccludedArguments occluded;
 
-  explicit Arguments(const Query& query)
-  {
+  explicit Arguments(const Query& query) {
     rtcInitRayQueryContext(&context.context);
     context.filter = query.filter;
     rtcInitIntersectArguments(&intersect);
@@ -74,58 +70,48 @@ struct Arguments
     if (query.isCoherent) intersect.flags = occluded.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   }
 };
-inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {})
-{
+inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {}) {
   Arguments a(query);
   rtcIntersect1(scene, &ray, &a.intersect);
 }
-inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
-{
+inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {}) {
   Arguments a(query);
   rtcOccluded1(scene, &ray, &a.occluded);
 }
 #define HOST_PACKET(N) \
-  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) \
-  { \
+  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) { \
     Arguments a(query); \
     rtcIntersect##N(valid, scene, &rays, &a.intersect); \
   } \
-  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) \
-  { \
+  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) { \
     Arguments a(query); \
     rtcOccluded##N(valid, scene, &rays, &a.occluded); \
   }
 constexpr unsigned contextFilters = CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS;
 #else
-struct Arguments
-{
+struct Arguments {
   RTCIntersectContext context;
 
-  explicit Arguments(const Query& query)
-  {
+  explicit Arguments(const Query& query) {
     rtcInitIntersectContext(&context);
     context.filter = query.filter;
     if (query.isCoherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
 };
-inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {})
-{
+inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {}) {
   Arguments a(query);
   rtcIntersect1(scene, &a.context, &ray);
 }
-inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
-{
+inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {}) {
   Arguments a(query);
   rtcOccluded1(scene, &a.context, &ray);
 }
 #define HOST_PACKET(N) \
-  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) \
-  { \
+  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) { \
     Arguments a(query); \
     rtcIntersect##N(valid, scene, &a.context, &rays); \
   } \
-  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) \
-  { \
+  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) { \
     Arguments a(query); \
     rtcOccluded##N(valid, scene, &a.context, &rays); \
   }
@@ -136,33 +122,44 @@ HOST_PACKET(8)
 HOST_PACKET(16)
 
 template<unsigned N> struct Packet;
-template<> struct Packet<4> { typedef RTCRayHit4 RayHits; typedef RTCRay4 Rays; };
-template<> struct Packet<8> { typedef RTCRayHit8 RayHits; typedef RTCRay8 Rays; };
-template<> struct Packet<16> { typedef RTCRayHit16 RayHits; typedef RTCRay16 Rays; };
+template<> struct Packet<4> {
+  typedef RTCRayHit4 RayHits;
+  typedef RTCRay4 Rays;
+};
+template<> struct Packet<8> {
+  typedef RTCRayHit8 RayHits;
+  typedef RTCRay8 Rays;
+};
+template<> struct Packet<16> {
+  typedef RTCRayHit16 RayHits;
+  typedef RTCRay16 Rays;
+};
 
 #if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
-constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + 2*RTC_MAX_INSTANCE_LEVEL_COUNT;
+constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + 2 * RTC_MAX_INSTANCE_LEVEL_COUNT;
 #else
 constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
 #endif
 // Sets ray i of a packet of N.
-inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray)
-{
+inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray) {
   for (unsigned word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
     *cbvhInternalWordOf(packet, N, word, i) = *cbvhInternalWordOf((void*)&ray.ray, 1, word, 0);
   for (unsigned word = 0; word < hitWords; word++)
-    *cbvhInternalWordOf(packet, N, CBVH_INTERNAL_RAY_WORDS + word, i) = *cbvhInternalWordOf((void*)&ray.hit, 1, word,
-    0);
+    *cbvhInternalWordOf(packet, N, CBVH_INTERNAL_RAY_WORDS + word, i) =
+        *cbvhInternalWordOf((void*)&ray.hit, 1, word, 0);
 }
 
 // --- rays ----------------------------------------------------------------------------------------
 
-inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float time = 0)
-{
+inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float time = 0) {
   RTCRayHit r;
   std::memset(&r, 0, sizeof(r));
-  r.ray.org_x = org[0]; r.ray.org_y = org[1]; r.ray.org_z = org[2];
-  r.ray.dir_x = dir[0]; r.ray.dir_y = dir[1]; r.ray.dir_z = dir[2];
+  r.ray.org_x = org[0];
+  r.ray.org_y = org[1];
+  r.ray.org_z = org[2];
+  r.ray.dir_x = dir[0];
+  r.ray.dir_y = dir[1];
+  r.ray.dir_z = dir[2];
   r.ray.time = time;
   r.ray.tfar = INFINITY;
   r.ray.mask = ~0u;
@@ -175,8 +172,7 @@ inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float time = 0)
 }
 
 // Rays from outside at the center. Coherent ones are neighbors in a picture.
-inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, bool areCoherent, float spread = 0.9f)
-{
+inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, bool areCoherent, float spread = 0.9f) {
   std::normal_distribution<float> normal;
   std::uniform_real_distribution<float> uniform;
   std::vector<RTCRayHit> rays;
@@ -185,14 +181,17 @@ inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, boo
   for (size_t i = 0; i < count; i++) {
     if (!areCoherent) {
       float length = 0;
-      for (float& x : org) { x = normal(random); length += x*x; }
-      for (float& x : org) x *= 4/std::sqrt(length);
+      for (float& x : org) {
+        x = normal(random);
+        length += x * x;
+      }
+      for (float& x : org) x *= 4 / std::sqrt(length);
     }
-    const float u = areCoherent ? 2*float(i % side)/float(side) - 1 : 2*uniform(random) - 1,
-                v = areCoherent ? 2*float(i/side)/float(side) - 1 : 2*uniform(random) - 1;
+    const float u = areCoherent ? 2 * float(i % side) / float(side) - 1 : 2 * uniform(random) - 1,
+                v = areCoherent ? 2 * float(i / side) / float(side) - 1 : 2 * uniform(random) - 1;
     Vec dir;
     for (int k = 0; k < 3; k++)
-      dir[k] = -org[k] + spread*(k == 0 ? u : k == 1 ? v : areCoherent ? -u - v : uniform(random) - 0.5f);
+      dir[k] = -org[k] + spread * (k == 0 ? u : k == 1 ? v : areCoherent ? -u - v : uniform(random) - 0.5f);
     rays.push_back(makeRay(org, dir, uniform(random)));
   }
   return rays;
@@ -202,45 +201,44 @@ inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOME
 
 // --- a cube ----------------------------------------------------------------------------------------
 
-inline float heightAt(float x, float y, float z) { return 0.03f*std::sin(11*x + 3*y)*std::cos(7*z - 5*y); }
+inline float heightAt(float x, float y, float z) { return 0.03f * std::sin(11 * x + 3 * y) * std::cos(7 * z - 5 * y); }
 
-inline void displace(const CbvhDisplacementArguments* args)
-{
+inline void displace(const CbvhDisplacementArguments* args) {
   for (unsigned i = 0; i < args->count; i++) {
     const float h = heightAt(args->P_x[i], args->P_y[i], args->P_z[i]);
-    args->P_x[i] += h*args->Ng_x[i]; args->P_y[i] += h*args->Ng_y[i]; args->P_z[i] += h*args->Ng_z[i];
+    args->P_x[i] += h * args->Ng_x[i];
+    args->P_y[i] += h * args->Ng_y[i];
+    args->P_z[i] += h * args->Ng_z[i];
   }
 }
 
-inline void displaceInHost(const RTCDisplacementFunctionNArguments* args)
-{
+inline void displaceInHost(const RTCDisplacementFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; i++) {
     const float h = heightAt(args->P_x[i], args->P_y[i], args->P_z[i]);
-    args->P_x[i] += h*args->Ng_x[i]; args->P_y[i] += h*args->Ng_y[i]; args->P_z[i] += h*args->Ng_z[i];
+    args->P_x[i] += h * args->Ng_x[i];
+    args->P_y[i] += h * args->Ng_y[i];
+    args->P_z[i] += h * args->Ng_z[i];
   }
 }
 
-struct Cube
-{
-  std::vector<Vec> vertices[2];   // at two time steps
+struct Cube {
+  std::vector<Vec> vertices[2]; // at two time steps
   std::vector<unsigned> faceVertexCounts = {4, 4, 4, 4, 4, 4};
-  std::vector<unsigned> indices = {0,1,3,2, 4,6,7,5, 0,4,5,1, 2,3,7,6, 0,2,6,4, 1,5,7,3};
+  std::vector<unsigned> indices = {0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3};
   const float* steps[2];
 
-  explicit Cube(const Vec& middle = {0, 0, 0}, float size = 0.8f)
-  {
+  explicit Cube(const Vec& middle = {0, 0, 0}, float size = 0.8f) {
     for (int step = 0; step < 2; step++)
       for (int i = 0; i < 8; i++)
-        vertices[step].push_back({middle[0] + size*(i & 1 ? 1.f : -1.f) + 0.1f*float(step)*float(i & 2),
-                                  middle[1] + size*(i & 2 ? 1.f : -1.f),
-                                  middle[2] + size*(i & 4 ? 1.f : -1.f) + 0.2f*float(step)});
+        vertices[step].push_back({middle[0] + size * (i & 1 ? 1.f : -1.f) + 0.1f * float(step) * float(i & 2),
+                                  middle[1] + size * (i & 2 ? 1.f : -1.f),
+                                  middle[2] + size * (i & 4 ? 1.f : -1.f) + 0.2f * float(step)});
     for (auto& step : vertices) step.push_back({0, 0, 0}); // padding after the last vertex, which may be read
     steps[0] = &vertices[0][0][0];
     steps[1] = &vertices[1][0][0];
   }
 
-  CbvhCage cage(float rate, unsigned numSteps = 1) const
-  {
+  CbvhCage cage(float rate, unsigned numSteps = 1) const {
     CbvhCage cage = CbvhCage();
     cage.numFaces = faceVertexCounts.size();
     cage.faceVertexCounts = faceVertexCounts.data();
@@ -253,8 +251,7 @@ struct Cube
   }
 
   // The same cube as a geometry of the foreign Embree.
-  RTCGeometry newInHost(RTCDevice device, float rate, unsigned numSteps = 1) const
-  {
+  RTCGeometry newInHost(RTCDevice device, float rate, unsigned numSteps = 1) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
     rtcSetGeometryTimeStepCount(geometry, numSteps);
     for (unsigned i = 0; i < numSteps; i++) {
@@ -262,8 +259,7 @@ struct Cube
       std::memcpy(data, steps[i], 96);
     }
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6),
-      faceVertexCounts.data(),
-                24);
+                faceVertexCounts.data(), 24);
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(),
                 96);
     rtcSetGeometryTessellationRate(geometry, rate);
@@ -275,21 +271,18 @@ struct Cube
 };
 
 // One or more committed cubes: a large one, or overlapping ones.
-class Group
-{
+class Group {
 public:
   // A group with one surface.
-  Group(CbvhContext context, CbvhSurface surface)
-  {
+  Group(CbvhContext context, CbvhSurface surface) {
     OK(cbvhNewGroup(context, &surface, 1, &group));
     OK(cbvhCommitGroup(group));
   }
-  explicit Group(CbvhContext context, float rate = 32, unsigned count = 1, unsigned numSteps = 1, int first = -1)
-  {
+  explicit Group(CbvhContext context, float rate = 32, unsigned count = 1, unsigned numSteps = 1, int first = -1) {
     std::vector<CbvhSurface> surfaces;
     for (unsigned i = 0; i < count; i++) {
       const unsigned n = unsigned(std::max(first, 0)) + i;
-      const Cube cube = count == 1 && first < 0 ? Cube() : Cube({0.4f*float(n), 0.1f*float(n % 3), 0}, 0.3f);
+      const Cube cube = count == 1 && first < 0 ? Cube() : Cube({0.4f * float(n), 0.1f * float(n % 3), 0}, 0.3f);
       const CbvhCage cage = cube.cage(rate, numSteps);
       CbvhSurface surface = nullptr;
       OK(cbvhNewSurface(context, &surface));
@@ -311,11 +304,9 @@ private:
 };
 
 // A committed scene that contains the group with ID 0, or an uncommitted empty one.
-class Scene
-{
+class Scene {
 public:
-  Scene(RTCDevice device, CbvhGroup group, unsigned flags = 0) : scene(rtcNewScene(device))
-  {
+  Scene(RTCDevice device, CbvhGroup group, unsigned flags = 0) : scene(rtcNewScene(device)) {
 #if RTC_VERSION_MAJOR < 4
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 #else

@@ -26,7 +26,10 @@ if [ -n "$roots" ]; then
 else
   for program in embree_displacement_geometry /usr/bin/time; do
     command -v "$program" > /dev/null ||
-      { echo "skipped: no $program, see embree-tools and time in scripts/packages"; exit 77; }
+      {
+        echo "skipped: no $program, see embree-tools and time in scripts/packages"
+        exit 77
+      }
   done
   unset LD_LIBRARY_PATH EMBREE_CBVH
   work=$(mktemp -d)
@@ -70,14 +73,20 @@ fi
 # --- calls: hits stored without the interposer must match those with it ------------------------
 inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits differ"
 inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" ||
-  { tail "$work/meshes.log"; fail "hits of grids, quads and triangles differ"; }
+  {
+    tail "$work/meshes.log"
+    fail "hits of grids, quads and triangles differ"
+  }
 [ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not all of grids, quads and triangles are compressed"
 grep -q ': 726 quads' "$work/meshes.log" || fail "a moving cube is not compressed after a rejected time range"
 inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits differ if it is turned off"
 inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /dev/null" ||
   fail "hits differ with an unknown setting"
 [ "$(grep -c '"nonsense"' "$work/nonsense.log")" -eq 1 ] ||
-  { cat "$work/nonsense.log"; fail "the unknown setting must be reported exactly once"; }
+  {
+    cat "$work/nonsense.log"
+    fail "the unknown setting must be reported exactly once"
+  }
 for settings in leaf,frame_level=2,verbose cLEAF,verbose cVERT,verbose 0,1,verbose none,vert,verbose verbose=1; do
   inside "EMBREE_CBVH=$settings $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
     fail "settings without effect turn compression off: $settings"
@@ -90,7 +99,10 @@ inside "$preload ./early" || fail "the program with an early library fails"
 # --- points: calls of point queries must match without the interposer and with it --------------
 inside "./points" || fail "Embree's calls of point queries differ from those that the test expects"
 inside "$preload EMBREE_CBVH=verbose ./points > points.log 2>&1" ||
-  { cat "$work/points.log"; fail "calls of point queries differ"; }
+  {
+    cat "$work/points.log"
+    fail "calls of point queries differ"
+  }
 grep -q 'compression: 1 subdivision surface' "$work/points.log" || fail "no surface of the point queries is compressed"
 inside "$preload EMBREE_CBVH=triangles=1 ./points without-function 2>&1" | grep -q 'point queries.*triangles' ||
   fail "a query that calls only functions of geometries is not reported"
@@ -98,16 +110,21 @@ inside "$preload EMBREE_CBVH=triangles=1 ./points without-function 2>&1" | grep 
 # --- pictures ------------------------------------------------------------------------------------
 # row NAME OPTIONS PROGRAM: renders a picture both ways and prints a row of the table. PROGRAM contains PICTURE in
 # place of the file name.
-row()
-{
+row() {
   name=$1 options=$2 program=$3
   for way in without with; do
     [ $way = with ] && environment="$preload EMBREE_CBVH=$options" || environment=
     command=$(echo "$program" | sed "s/PICTURE/$way.ppm/")
     inside "env $environment /usr/bin/time -o $way.time -f '%M %e' $command > $way.log 2>&1" ||
-      { cat "$work/$way.log"; fail "$name fails $way the interposer"; }
+      {
+        cat "$work/$way.log"
+        fail "$name fails $way the interposer"
+      }
     awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time" ||
-      { cat "$work/$way.time"; fail "$name, $way the interposer: time does not report memory and seconds"; }
+      {
+        cat "$work/$way.time"
+        fail "$name, $way the interposer: time does not report memory and seconds"
+      }
   done
   if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then note="left to Embree"; else note=; fi
   differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name differs: $differing"

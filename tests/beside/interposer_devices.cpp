@@ -9,8 +9,7 @@
 
 namespace {
 
-TEST(InterposerDevices, SettingsAreKeptUntilTheLastReferenceIsReleased)
-{
+TEST(InterposerDevices, SettingsAreKeptUntilTheLastReferenceIsReleased) {
   interposer::Devices devices;
   const char a = 0, b = 0;
   devices.add(&a, "threads=1");
@@ -26,8 +25,7 @@ TEST(InterposerDevices, SettingsAreKeptUntilTheLastReferenceIsReleased)
   EXPECT_EQ(devices.size(), 0u);
 }
 
-TEST(InterposerDevices, UnknownDevicesAreNotStored)
-{
+TEST(InterposerDevices, UnknownDevicesAreNotStored) {
   interposer::Devices devices;
   const char unknown = 0;
   EXPECT_EQ(devices.settingsOf(&unknown), "");
@@ -37,8 +35,7 @@ TEST(InterposerDevices, UnknownDevicesAreNotStored)
   EXPECT_EQ(devices.size(), 0u);
 }
 
-TEST(InterposerDevices, NewDeviceWithAReleasedHandleHasItsOwnSettings)
-{
+TEST(InterposerDevices, NewDeviceWithAReleasedHandleHasItsOwnSettings) {
   interposer::Devices devices;
   const char device = 0;
   devices.add(&device, "threads=1");
@@ -49,8 +46,7 @@ TEST(InterposerDevices, NewDeviceWithAReleasedHandleHasItsOwnSettings)
   EXPECT_EQ(devices.size(), 0u);
 }
 
-TEST(InterposerDevices, RangesPastTheEndOfABufferAreFound)
-{
+TEST(InterposerDevices, RangesPastTheEndOfABufferAreFound) {
   interposer::Handles<interposer::BufferSize> buffers;
   const char a = 0, unknown = 0;
   buffers.add(&a, {100});
@@ -63,7 +59,7 @@ TEST(InterposerDevices, RangesPastTheEndOfABufferAreFound)
   EXPECT_TRUE(size.isExceededBy(4, 12, 12, 9));
   EXPECT_TRUE(size.isExceededBy(89, 0, 12, 1));
   EXPECT_TRUE(size.isExceededBy(SIZE_MAX - 4, 12, 12, 1));
-  EXPECT_TRUE(size.isExceededBy(0, SIZE_MAX/2 + 1, 12, 3)) << "the product overflows";
+  EXPECT_TRUE(size.isExceededBy(0, SIZE_MAX / 2 + 1, 12, 3)) << "the product overflows";
   EXPECT_TRUE(interposer::BufferSize{8}.isExceededBy(0, 12, 12, 1));
   EXPECT_FALSE(buffers.propertiesOf(&unknown).isExceededBy(5, 12, 12, 1000000));
 }

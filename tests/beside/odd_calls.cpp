@@ -21,36 +21,38 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-struct OddCalls : ::testing::Test
-{
+struct OddCalls : ::testing::Test {
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr;
   CbvhGroup group = nullptr;
 
-  OddCalls()
-  {
+  OddCalls() {
     EXPECT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK);
     EXPECT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
     const CbvhCage cage = cube();
     EXPECT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
   }
-  ~OddCalls() override { cbvhReleaseGroup(group); cbvhReleaseSurface(surface); cbvhReleaseContext(context); }
+  ~OddCalls() override {
+    cbvhReleaseGroup(group);
+    cbvhReleaseSurface(surface);
+    cbvhReleaseContext(context);
+  }
 
-  void commit()
-  {
+  void commit() {
     ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
     ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK);
     ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
   }
 
-  bool isSeen(CbvhGroup by) const { CbvhRayHit r = rayFromAbove(); return cbvhIntersect1(by, &r, nullptr) != 0; }
+  bool isSeen(CbvhGroup by) const {
+    CbvhRayHit r = rayFromAbove();
+    return cbvhIntersect1(by, &r, nullptr) != 0;
+  }
 };
 
-TEST_F(OddCalls, NullIsRejectedByEveryFunction)
-{
+TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
   commit();
   CbvhDicingArguments dicing = CbvhDicingArguments();
   CbvhGroupStatistics statistics;
@@ -61,118 +63,122 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
   const CbvhGrids grids = CbvhGrids();
   const CbvhMesh mesh = CbvhMesh();
   CbvhRayHit r = rayFromAbove();
-  alignas(64) float packet[16*20] = {};
+  alignas(64) float packet[16 * 20] = {};
   size_t index = 0;
   unsigned primID = 0;
   float P[3], lower[3], upper[3];
   const auto part = [](void*, const CbvhPart*) { return 1; };
   const std::vector<std::pair<const char*, std::function<CbvhError()>>> refused = {
-    {"cbvhNewContext", [&] { return cbvhNewContext(nullptr, nullptr, nullptr, nullptr); }},
-    {"cbvhNewSurface", [&] { return cbvhNewSurface(nullptr, &noSurface); }},
-    {"cbvhNewSurface", [&] { return cbvhNewSurface(context, nullptr); }},
-    {"cbvhSetSurfaceCage", [&] { return cbvhSetSurfaceCage(nullptr, &cage); }},
-    {"cbvhSetSurfaceCage", [&] { return cbvhSetSurfaceCage(surface, nullptr); }},
-    {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(nullptr, &grids); }},
-    {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(surface, nullptr); }},
-    {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(surface, &grids); }},
-    {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(nullptr, &mesh); }},
-    {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(surface, nullptr); }},
-    {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(surface, &mesh); }},
-    {"cbvhDiceSurface", [&] { return cbvhDiceSurface(nullptr, &dicing, nullptr); }},
-    {"cbvhDiceSurface", [&] { return cbvhDiceSurface(surface, nullptr, nullptr); }},
-    {"cbvhSetSurfaceAccuracy", [&] { return cbvhSetSurfaceAccuracy(nullptr, nullptr); }},
-    {"cbvhSetSurfaceLossless", [&] { return cbvhSetSurfaceLossless(nullptr, 1); }},
-    {"cbvhSetSurfaceMask", [&] { return cbvhSetSurfaceMask(nullptr, 1); }},
-    {"cbvhCommitSurface", [&] { return cbvhCommitSurface(nullptr, nullptr, nullptr); }},
-    {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
-    {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
-    {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
-    {"cbvhInterpolateAttributeAtPoints",
-     [&] {
-       const CbvhInterpolationPoints none = CbvhInterpolationPoints();
-       return cbvhInterpolateAttributeAtPoints(nullptr, &none);
-     }},
-    {"cbvhInterpolateAttributeAtPoints", [&] { return cbvhInterpolateAttributeAtPoints(surface, nullptr); }},
-    {"cbvhInterpolateAttributeAtPoints",
-     [&] {
-       const CbvhInterpolationPoints null = {sizeof(CbvhInterpolationPoints), 0, 0, 1, nullptr, P, P, nullptr, nullptr};
-       return cbvhInterpolateAttributeAtPoints(surface, &null);
-     }},
-    {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
-    {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
-    {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
-    {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, nullptr, &noSurface); }},
-    {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, "none", nullptr); }},
-    {"cbvhNewGroup", [&] { return cbvhNewGroup(nullptr, &surface, 1, &noGroup); }},
-    {"cbvhNewGroup", [&] { return cbvhNewGroup(context, nullptr, 1, &noGroup); }},
-    {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 0, &noGroup); }},
-    {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 1, nullptr); }},
-    {"cbvhCommitGroup", [&] { return cbvhCommitGroup(nullptr); }},
-    {"cbvhCheckGeometry", [&] { return cbvhCheckGeometry(nullptr, 0, 3); }},
-    {"cbvhCheckGeometry", [&] { return cbvhCheckGeometry(group, 4, 3); }},
-    {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(nullptr, &statistics); }},
-    {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(group, nullptr); }},
-    {"cbvhForEachPart", [&] { return cbvhForEachPart(nullptr, 0, part, nullptr); }},
-    {"cbvhForEachPart", [&] { return cbvhForEachPart(surface, 0, nullptr, nullptr); }},
-    {"cbvhForEachCluster",
-     [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr); }},
-    {"cbvhForEachCluster",
-     [&] { return cbvhForEachCluster(surface, 0, CbvhClusterFormat(3), nullptr, nullptr, nullptr); }},
+      {"cbvhNewContext", [&] { return cbvhNewContext(nullptr, nullptr, nullptr, nullptr); }},
+      {"cbvhNewSurface", [&] { return cbvhNewSurface(nullptr, &noSurface); }},
+      {"cbvhNewSurface", [&] { return cbvhNewSurface(context, nullptr); }},
+      {"cbvhSetSurfaceCage", [&] { return cbvhSetSurfaceCage(nullptr, &cage); }},
+      {"cbvhSetSurfaceCage", [&] { return cbvhSetSurfaceCage(surface, nullptr); }},
+      {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(nullptr, &grids); }},
+      {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(surface, nullptr); }},
+      {"cbvhSetSurfaceGrids", [&] { return cbvhSetSurfaceGrids(surface, &grids); }},
+      {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(nullptr, &mesh); }},
+      {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(surface, nullptr); }},
+      {"cbvhSetSurfaceMesh", [&] { return cbvhSetSurfaceMesh(surface, &mesh); }},
+      {"cbvhDiceSurface", [&] { return cbvhDiceSurface(nullptr, &dicing, nullptr); }},
+      {"cbvhDiceSurface", [&] { return cbvhDiceSurface(surface, nullptr, nullptr); }},
+      {"cbvhSetSurfaceAccuracy", [&] { return cbvhSetSurfaceAccuracy(nullptr, nullptr); }},
+      {"cbvhSetSurfaceLossless", [&] { return cbvhSetSurfaceLossless(nullptr, 1); }},
+      {"cbvhSetSurfaceMask", [&] { return cbvhSetSurfaceMask(nullptr, 1); }},
+      {"cbvhCommitSurface", [&] { return cbvhCommitSurface(nullptr, nullptr, nullptr); }},
+      {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
+      {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
+      {"cbvhInterpolateAttribute", [&] { return cbvhInterpolateAttribute(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
+      {"cbvhInterpolateAttributeAtPoints",
+       [&] {
+         const CbvhInterpolationPoints none = CbvhInterpolationPoints();
+         return cbvhInterpolateAttributeAtPoints(nullptr, &none);
+       }},
+      {"cbvhInterpolateAttributeAtPoints", [&] { return cbvhInterpolateAttributeAtPoints(surface, nullptr); }},
+      {"cbvhInterpolateAttributeAtPoints",
+       [&] {
+         const CbvhInterpolationPoints null = {
+             sizeof(CbvhInterpolationPoints), 0, 0, 1, nullptr, P, P, nullptr, nullptr};
+         return cbvhInterpolateAttributeAtPoints(surface, &null);
+       }},
+      {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
+      {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
+      {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
+      {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, nullptr, &noSurface); }},
+      {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, "none", nullptr); }},
+      {"cbvhNewGroup", [&] { return cbvhNewGroup(nullptr, &surface, 1, &noGroup); }},
+      {"cbvhNewGroup", [&] { return cbvhNewGroup(context, nullptr, 1, &noGroup); }},
+      {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 0, &noGroup); }},
+      {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 1, nullptr); }},
+      {"cbvhCommitGroup", [&] { return cbvhCommitGroup(nullptr); }},
+      {"cbvhCheckGeometry", [&] { return cbvhCheckGeometry(nullptr, 0, 3); }},
+      {"cbvhCheckGeometry", [&] { return cbvhCheckGeometry(group, 4, 3); }},
+      {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(nullptr, &statistics); }},
+      {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(group, nullptr); }},
+      {"cbvhForEachPart", [&] { return cbvhForEachPart(nullptr, 0, part, nullptr); }},
+      {"cbvhForEachPart", [&] { return cbvhForEachPart(surface, 0, nullptr, nullptr); }},
+      {"cbvhForEachCluster",
+       [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr); }},
+      {"cbvhForEachCluster",
+       [&] { return cbvhForEachCluster(surface, 0, CbvhClusterFormat(3), nullptr, nullptr, nullptr); }},
   };
   for (const auto& call : refused) {
     EXPECT_EQ(call.second(), CBVH_ERROR_INVALID_ARGUMENT) << call.first;
     EXPECT_STRNE(cbvhGetErrorText(), "") << call.first;
   }
   const std::vector<std::pair<const char*, std::function<size_t()>>> nothing = {
-    {"cbvhGetSurfacePrimitiveCount", [&] { return cbvhGetSurfacePrimitiveCount(nullptr); }},
-    {"cbvhGetGroupSurfaceCount", [&] { return cbvhGetGroupSurfaceCount(nullptr); }},
-    {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(nullptr, 0)); }},
-    {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, 1)); }},
-    {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, ~size_t(0))); }},
-    {"cbvhGetGroupUserPtr", [&] { return size_t(cbvhGetGroupUserPtr(nullptr)); }},
-    {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(nullptr, 0); }},
-    {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(group, 2); }},
-    {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(group, ~size_t(0)); }},
-    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(nullptr, 0, &index, &primID); }},
-    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, nullptr, &primID); }},
-    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, &index, nullptr); }},
-    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 6, &index, &primID); }},
-    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, ~0u, &index, &primID); }},
-    {"cbvhIntersect1", [&] { return cbvhIntersect1(nullptr, &r, nullptr); }},
-    {"cbvhIntersect1", [&] { return cbvhIntersect1(group, nullptr, nullptr); }},
-    {"cbvhOccluded1", [&] { return cbvhOccluded1(nullptr, &r.ray, nullptr); }},
-    {"cbvhOccluded1", [&] { return cbvhOccluded1(group, nullptr, nullptr); }},
-    {"cbvhIntersect4",
-     [&] {
-       return cbvhIntersect4(nullptr, nullptr, packet, nullptr) + cbvhIntersect4(group, nullptr, nullptr, nullptr);
-     }},
-    {"cbvhIntersect8",
-     [&] {
-       return cbvhIntersect8(nullptr, nullptr, packet, nullptr) + cbvhIntersect8(group, nullptr, nullptr, nullptr);
-     }},
-    {"cbvhIntersect16",
-     [&] {
-       return cbvhIntersect16(nullptr, nullptr, packet, nullptr) + cbvhIntersect16(group, nullptr, nullptr, nullptr);
-     }},
-    {"cbvhOccluded4",
-     [&] {
-       return cbvhOccluded4(nullptr, nullptr, packet, nullptr) + cbvhOccluded4(group, nullptr, nullptr, nullptr);
-     }},
-    {"cbvhOccluded8",
-     [&] {
-       return cbvhOccluded8(nullptr, nullptr, packet, nullptr) + cbvhOccluded8(group, nullptr, nullptr, nullptr);
-     }},
-    {"cbvhOccluded16",
-     [&] {
-       return cbvhOccluded16(nullptr, nullptr, packet, nullptr) + cbvhOccluded16(group, nullptr, nullptr, nullptr);
-     }},
-    {"cbvhFindTriangle", [&] { return cbvhFindTriangle(nullptr, 0, 0, 0, 0, nullptr, &triangle); }},
-    {"cbvhFindTriangle", [&] { return cbvhFindTriangle(surface, 0, 0, 0, 0, nullptr, nullptr); }},
+      {"cbvhGetSurfacePrimitiveCount", [&] { return cbvhGetSurfacePrimitiveCount(nullptr); }},
+      {"cbvhGetGroupSurfaceCount", [&] { return cbvhGetGroupSurfaceCount(nullptr); }},
+      {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(nullptr, 0)); }},
+      {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, 1)); }},
+      {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, ~size_t(0))); }},
+      {"cbvhGetGroupUserPtr", [&] { return size_t(cbvhGetGroupUserPtr(nullptr)); }},
+      {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(nullptr, 0); }},
+      {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(group, 2); }},
+      {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(group, ~size_t(0)); }},
+      {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(nullptr, 0, &index, &primID); }},
+      {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, nullptr, &primID); }},
+      {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, &index, nullptr); }},
+      {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 6, &index, &primID); }},
+      {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, ~0u, &index, &primID); }},
+      {"cbvhIntersect1", [&] { return cbvhIntersect1(nullptr, &r, nullptr); }},
+      {"cbvhIntersect1", [&] { return cbvhIntersect1(group, nullptr, nullptr); }},
+      {"cbvhOccluded1", [&] { return cbvhOccluded1(nullptr, &r.ray, nullptr); }},
+      {"cbvhOccluded1", [&] { return cbvhOccluded1(group, nullptr, nullptr); }},
+      {"cbvhIntersect4",
+       [&] {
+         return cbvhIntersect4(nullptr, nullptr, packet, nullptr) + cbvhIntersect4(group, nullptr, nullptr, nullptr);
+       }},
+      {"cbvhIntersect8",
+       [&] {
+         return cbvhIntersect8(nullptr, nullptr, packet, nullptr) + cbvhIntersect8(group, nullptr, nullptr, nullptr);
+       }},
+      {"cbvhIntersect16",
+       [&] {
+         return cbvhIntersect16(nullptr, nullptr, packet, nullptr) + cbvhIntersect16(group, nullptr, nullptr, nullptr);
+       }},
+      {"cbvhOccluded4",
+       [&] {
+         return cbvhOccluded4(nullptr, nullptr, packet, nullptr) + cbvhOccluded4(group, nullptr, nullptr, nullptr);
+       }},
+      {"cbvhOccluded8",
+       [&] {
+         return cbvhOccluded8(nullptr, nullptr, packet, nullptr) + cbvhOccluded8(group, nullptr, nullptr, nullptr);
+       }},
+      {"cbvhOccluded16",
+       [&] {
+         return cbvhOccluded16(nullptr, nullptr, packet, nullptr) + cbvhOccluded16(group, nullptr, nullptr, nullptr);
+       }},
+      {"cbvhFindTriangle", [&] { return cbvhFindTriangle(nullptr, 0, 0, 0, 0, nullptr, &triangle); }},
+      {"cbvhFindTriangle", [&] { return cbvhFindTriangle(surface, 0, 0, 0, 0, nullptr, nullptr); }},
   };
   for (const auto& call : nothing) EXPECT_EQ(call.second(), 0u) << call.first;
-  cbvhRetainContext(nullptr); cbvhReleaseContext(nullptr);
-  cbvhRetainSurface(nullptr); cbvhReleaseSurface(nullptr);
-  cbvhRetainGroup(nullptr); cbvhReleaseGroup(nullptr);
+  cbvhRetainContext(nullptr);
+  cbvhReleaseContext(nullptr);
+  cbvhRetainSurface(nullptr);
+  cbvhReleaseSurface(nullptr);
+  cbvhRetainGroup(nullptr);
+  cbvhReleaseGroup(nullptr);
   cbvhSetGroupUserPtr(nullptr, nullptr);
   cbvhGetGroupBounds(group, nullptr, upper);
   cbvhGetGroupBounds(group, lower, nullptr);
@@ -182,12 +188,11 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
   EXPECT_TRUE(isSeen(group)) << "nothing was changed";
 }
 
-TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
-{
-  const unsigned few[] = {4,4,4,4,4,3}, many[] = {4,4,4,4,4,400}, flat[] = {4,4,4,4,6,2};
+TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet) {
+  const unsigned few[] = {4, 4, 4, 4, 4, 3}, many[] = {4, 4, 4, 4, 4, 400}, flat[] = {4, 4, 4, 4, 6, 2};
   std::vector<unsigned> past(cubeIndices, cubeIndices + 24);
   past[13] = 8;
-  const unsigned crease[] = {0,9}, seven[] = {7};
+  const unsigned crease[] = {0, 9}, seven[] = {7};
   const float sharp[] = {INFINITY};
   const auto expectInvalid = [&](const std::vector<std::string>& parts, const std::function<void(CbvhCage&)>& modify) {
     CbvhCage cage = cube();
@@ -209,7 +214,10 @@ TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
     c.corners = crease + 1;
     c.cornerSharpness = sharp;
   });
-  expectInvalid({"hole 0 ", "face 7", " 6 "}, [&](CbvhCage& c) { c.numHoles = 1; c.holes = seven; });
+  expectInvalid({"hole 0 ", "face 7", " 6 "}, [&](CbvhCage& c) {
+    c.numHoles = 1;
+    c.holes = seven;
+  });
   CbvhDicingArguments dicing = CbvhDicingArguments();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
@@ -218,20 +226,19 @@ TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
   EXPECT_TRUE(isSeen(group));
 }
 
-const float oddNumbers[] = {-1, -0.01f, 1.5f, 8, 1e7f, -1e7f, 1e30f,
+const float oddNumbers[] = {-1,     -0.01f,   1.5f,      8,   1e7f,    -1e7f,   1e30f,
                             -1e30f, INFINITY, -INFINITY, NAN, FLT_MAX, -FLT_MAX};
 
-TEST_F(OddCalls, OddParametersAreRejected)
-{
+TEST_F(OddCalls, OddParametersAreRejected) {
   commit();
   CbvhTriangle triangle;
   float uv[2], du[2], dv[2];
   for (float odd : oddNumbers)
     for (const auto& at : {std::make_pair(odd, 0.5f), std::make_pair(0.5f, odd), std::make_pair(odd, odd)}) {
       EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, at.first, at.second, 0, uv, du, dv), CBVH_ERROR_INVALID_ARGUMENT)
-        << at.first << " " << at.second;
+          << at.first << " " << at.second;
       EXPECT_EQ(cbvhFindTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0)
-        << at.first << " " << at.second;
+          << at.first << " " << at.second;
     }
   const auto part = [](void*, const CbvhPart*) { return 1; };
   for (float odd : {INFINITY, -INFINITY, float(NAN)}) {
@@ -245,9 +252,8 @@ TEST_F(OddCalls, OddParametersAreRejected)
 }
 
 // A face of 5 corners has the sub-patches 0 to 4.
-TEST_F(OddCalls, MissingSubPatchesAreRejected)
-{
-  const unsigned faces[] = {5}, indices[] = {0,1,2,3,4};
+TEST_F(OddCalls, MissingSubPatchesAreRejected) {
+  const unsigned faces[] = {5}, indices[] = {0, 1, 2, 3, 4};
   CbvhCage cage = cube();
   cage.numFaces = 1;
   cage.faceVertexCounts = faces;
@@ -257,7 +263,7 @@ TEST_F(OddCalls, MissingSubPatchesAreRejected)
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   float uv[2];
   for (unsigned i = 0; i < 16; i++) {
-    const float u = 1 + 2.0f*(i%4), v = 1 + 2.0f*(i/4);
+    const float u = 1 + 2.0f * (i % 4), v = 1 + 2.0f * (i / 4);
     uv[0] = uv[1] = NAN;
     const CbvhError found = cbvhInterpolateAttribute(surface, 0, u, v, 0, uv, nullptr, nullptr);
     EXPECT_EQ(found, i < 5 ? CBVH_OK : CBVH_ERROR_INVALID_ARGUMENT) << i;
@@ -266,17 +272,15 @@ TEST_F(OddCalls, MissingSubPatchesAreRejected)
   for (float odd : oddNumbers)
     if (!(odd >= 0 && odd < 8)) {
       EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT)
-        << odd;
+          << odd;
     }
 }
 
-struct Attempts
-{
+struct Attempts {
   CbvhSurface surface;
   std::atomic<unsigned> calls{0}, refused{0}, interpolated{0};
 
-  void make()
-  {
+  void make() {
     const CbvhCage cage = cube();
     const CbvhError errors[] = {cbvhSetSurfaceCage(surface, &cage), cbvhCommitSurface(surface, nullptr, nullptr),
                                 cbvhSetSurfaceAccuracy(surface, nullptr), cbvhSetSurfaceMask(surface, 3)};
@@ -285,8 +289,7 @@ struct Attempts
   }
 };
 
-TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
-{
+TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface) {
   Attempts attempts{surface};
   CbvhCage cage = cube();
   cage.displacementUserPtr = &attempts;
@@ -295,7 +298,7 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
     attempts.make();
     float uv[2] = {-9, -9};
     if (cbvhInterpolateAttribute(attempts.surface, args->primID, args->u[0], args->v[0], 0, uv, nullptr, nullptr) ==
-          CBVH_OK &&
+            CBVH_OK &&
         uv[0] >= 0 && uv[0] <= 1)
       attempts.interpolated++;
   };
@@ -307,24 +310,23 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   const unsigned diced = attempts.calls;
   EXPECT_GT(diced, 0u);
   ASSERT_EQ(cbvhCommitSurface(
-              surface,
-              [](void* self, double) {
-                ((Attempts*)self)->make();
-                return 1;
-              },
-              &attempts),
+                surface,
+                [](void* self, double) {
+                  ((Attempts*)self)->make();
+                  return 1;
+                },
+                &attempts),
             CBVH_OK)
-    << cbvhGetErrorText();
+      << cbvhGetErrorText();
   EXPECT_GT(attempts.calls, diced);
-  EXPECT_EQ(attempts.refused, 4*attempts.calls);
+  EXPECT_EQ(attempts.refused, 4 * attempts.calls);
   EXPECT_GT(attempts.interpolated, 6u) << "attributes are available during displacement";
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
 }
 
 // The first commit releases the input. Values that select the same blocks are no change of the accuracy: repeated ones,
 // a camera without a bound in pixels, the sign of 0, and any accuracy of a lossless surface, which ignores it.
-TEST_F(OddCalls, AccuracyThatSelectsTheSameBlocksIsNoChange)
-{
+TEST_F(OddCalls, AccuracyThatSelectsTheSameBlocksIsNoChange) {
   const CbvhCage cage = cube();
   for (int lossless : {0, 1}) {
     SCOPED_TRACE(lossless);
@@ -355,32 +357,44 @@ TEST_F(OddCalls, AccuracyThatSelectsTheSameBlocksIsNoChange)
 }
 
 // The attribute equals u and v, so the interpolated values must equal the arguments of the displacement.
-TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
-{
-  const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
+TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement) {
+  const unsigned own[] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
   const CbvhAttribute unit = {corners, 4, 8, 2, own, CBVH_BOUNDARY_PIN_ALL}; // equal to u and v
-  struct State { CbvhSurface surface; std::atomic<size_t> points{0}, wrong{0}; } state{surface};
+  struct State {
+    CbvhSurface surface;
+    std::atomic<size_t> points{0}, wrong{0};
+  } state{surface};
   CbvhCage cage = cube();
   cage.attributes = &unit;
   cage.displacementUserPtr = &state;
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     State& state = *(State*)args->userPtr;
-    std::vector<float> uv(2*args->count, -9), du(uv), dv(uv);
-    const CbvhInterpolationPoints points = {sizeof(CbvhInterpolationPoints), args->primID, 0, args->count, args->u,
-        args->v, uv.data(), du.data(), dv.data()};
-    if (cbvhInterpolateAttributeAtPoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
+    std::vector<float> uv(2 * args->count, -9), du(uv), dv(uv);
+    const CbvhInterpolationPoints points = {sizeof(CbvhInterpolationPoints),
+                                            args->primID,
+                                            0,
+                                            args->count,
+                                            args->u,
+                                            args->v,
+                                            uv.data(),
+                                            du.data(),
+                                            dv.data()};
+    if (cbvhInterpolateAttributeAtPoints(state.surface, &points) != CBVH_OK) {
+      state.wrong += args->count;
+      return;
+    }
     for (unsigned i = 0; i < args->count; i++) {
       state.points++;
-      state.wrong += !(std::fabs(uv[2*i] - args->u[i]) < 1e-4f && std::fabs(uv[2*i+1] - args->v[i]) < 1e-4f &&
-                       std::fabs(du[2*i] - 1) < 1e-3f && std::fabs(dv[2*i+1] - 1) < 1e-3f);
+      state.wrong += !(std::fabs(uv[2 * i] - args->u[i]) < 1e-4f && std::fabs(uv[2 * i + 1] - args->v[i]) < 1e-4f &&
+                       std::fabs(du[2 * i] - 1) < 1e-3f && std::fabs(dv[2 * i + 1] - 1) < 1e-3f);
     }
   };
   ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
   float P[2];
   EXPECT_EQ(cbvhInterpolateAttribute(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
-    << "not committed";
+      << "not committed";
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
-  EXPECT_GE(state.points, 6u*9*9);
+  EXPECT_GE(state.points, 6u * 9 * 9);
   EXPECT_EQ(state.wrong, 0u);
   const float u[] = {0.5f, NAN}, v[] = {0.5f, 0.5f};
   P[0] = -9;
@@ -389,8 +403,7 @@ TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
   EXPECT_EQ(P[0], -9) << "nothing is written";
 }
 
-TEST_F(OddCalls, PartCallbackMayReleaseTheLastReference)
-{
+TEST_F(OddCalls, PartCallbackMayReleaseTheLastReference) {
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const auto release = [](void* self, const CbvhPart* part) {
     CbvhSurface& surface = *(CbvhSurface*)self;
@@ -403,12 +416,13 @@ TEST_F(OddCalls, PartCallbackMayReleaseTheLastReference)
 }
 
 // Afterwards the surface can be diced and committed.
-TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
-{
+TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged) {
   static std::atomic<bool> throws;
   CbvhCage cage = cube();
   cage.rate = 64;
-  cage.displacement = [](const CbvhDisplacementArguments*) { if (throws) throw std::runtime_error("no such texture"); };
+  cage.displacement = [](const CbvhDisplacementArguments*) {
+    if (throws) throw std::runtime_error("no such texture");
+  };
   CbvhDicingArguments dicing = CbvhDicingArguments();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
@@ -416,15 +430,14 @@ TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
   for (int round = 0; round < 3; round++) {
     throws = round == 1;
     if (round == 0) {
-      EXPECT_EQ(cbvhCommitSurface(
-                  surface, [](void*, double) { return 0; }, nullptr),
-                CBVH_ERROR_CANCELLED);
-    }
-    else if (round == 1) {
+      EXPECT_EQ(cbvhCommitSurface(surface, [](void*, double) { return 0; }, nullptr), CBVH_ERROR_CANCELLED);
+    } else if (round == 1) {
       EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_UNKNOWN);
       EXPECT_NE(std::string(cbvhGetErrorText()).find("no such texture"), std::string::npos) << cbvhGetErrorText();
+    } else {
+      throws = true;
+      EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_ERROR_UNKNOWN);
     }
-    else { throws = true; EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_ERROR_UNKNOWN); }
     throws = false;
     EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << round << cbvhGetErrorText();
   }
@@ -432,8 +445,7 @@ TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
   EXPECT_TRUE(isSeen(group));
 }
 
-TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup)
-{
+TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup) {
   commit();
   CbvhGroupStatistics before, after;
   ASSERT_EQ(cbvhGetGroupStatistics(group, &before), CBVH_OK);
@@ -449,13 +461,12 @@ TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup)
 }
 
 // A later version may define them: ignoring them would change what a program traces.
-TEST_F(OddCalls, UnknownFlagsOfQueriesAreRejected)
-{
+TEST_F(OddCalls, UnknownFlagsOfQueriesAreRejected) {
   commit();
   const CbvhRayHit ray = rayFromAbove();
-  alignas(16) float packet[20*4];
+  alignas(16) float packet[20 * 4];
   for (unsigned word = 0; word < 20; word++)
-    for (unsigned i = 0; i < 4; i++) std::memcpy(&packet[4*word + i], (const char*)&ray + 4*word, 4);
+    for (unsigned i = 0; i < 4; i++) std::memcpy(&packet[4 * word + i], (const char*)&ray + 4 * word, 4);
   CbvhQuery query = CbvhQuery();
   for (unsigned flags : {2u, 0x80000001u}) {
     query.flags = flags;
@@ -473,8 +484,7 @@ TEST_F(OddCalls, UnknownFlagsOfQueriesAreRejected)
   EXPECT_EQ(cbvhIntersect4(group, nullptr, packet, &query), 15u);
 }
 
-TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
-{
+TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable) {
   commit();
   CbvhGroup other = nullptr;
   ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &other), CBVH_OK);
@@ -484,13 +494,12 @@ TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
   ASSERT_EQ(cbvhSetSurfaceMask(surface, 2), CBVH_OK);
   ASSERT_EQ(cbvhCommitGroup(other), CBVH_OK);
   EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << cbvhGetErrorText();
-  EXPECT_EQ(statistics.numQuads, 6u*8*8);
+  EXPECT_EQ(statistics.numQuads, 6u * 8 * 8);
   cbvhReleaseGroup(other);
 }
 
 // A displacement function commits a group with the surface that is being committed, whose mask has changed.
-TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged)
-{
+TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged) {
   std::vector<float> distant(cubeVertices, cubeVertices + 25);
   for (size_t i = 0; i < 24; i += 3) distant[i] += 100;
   const float* const steps[] = {distant.data()};
@@ -506,7 +515,11 @@ TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged)
   ASSERT_EQ(cbvhSetSurfaceCage(surface, &cage), CBVH_OK);
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
 
-  struct State { CbvhGroup group; std::atomic<unsigned> calls{0}; CbvhError error = CBVH_OK; } state{group};
+  struct State {
+    CbvhGroup group;
+    std::atomic<unsigned> calls{0};
+    CbvhError error = CBVH_OK;
+  } state{group};
   cage.displacementUserPtr = &state;
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     State& state = *(State*)args->userPtr;
@@ -526,8 +539,7 @@ TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged)
   cbvhReleaseSurface(second);
 }
 
-TEST_F(OddCalls, FailedCommitOfAGroupAppliesNoMask)
-{
+TEST_F(OddCalls, FailedCommitOfAGroupAppliesNoMask) {
   commit();
   CbvhSurface empty = nullptr;
   ASSERT_EQ(cbvhNewSurface(context, &empty), CBVH_OK);
@@ -543,8 +555,7 @@ TEST_F(OddCalls, FailedCommitOfAGroupAppliesNoMask)
   cbvhReleaseSurface(empty);
 }
 
-TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
-{
+TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError) {
   commit();
   const CbvhAccuracy fine = {sizeof(CbvhAccuracy), 0.001f, 0, {0, 0, 0}, 0};
   for (int i = 0; i < 2; i++) {
@@ -555,9 +566,11 @@ TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "the stored accuracy";
 }
 
-TEST(OddContexts, ErrorFunctionMayCauseErrors)
-{
-  struct Reported { CbvhContext context = nullptr; std::string before, after; } reported;
+TEST(OddContexts, ErrorFunctionMayCauseErrors) {
+  struct Reported {
+    CbvhContext context = nullptr;
+    std::string before, after;
+  } reported;
   const auto tell = [](void* self, CbvhError, const char* text) {
     Reported& reported = *(Reported*)self;
     if (!reported.before.empty()) return;
@@ -577,8 +590,7 @@ TEST(OddContexts, ErrorFunctionMayCauseErrors)
   cbvhReleaseContext(reported.context);
 }
 
-TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
-{
+TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest) {
   const std::vector<std::string> wrong[] = {{"thread=2", "\"thread\"", "threads"},
                                             {"isa=avx9", "\"avx9\"", "isa", "avx2"},
                                             {"max_isa=bogus", "\"bogus\"", "max_isa"},
@@ -610,8 +622,7 @@ TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
   }
 }
 
-TEST(OddContexts, InstructionSetsThatTheCpuLacksAreTheReason)
-{
+TEST(OddContexts, InstructionSetsThatTheCpuLacksAreTheReason) {
   CbvhContext context = nullptr;
   const CbvhError error = cbvhNewContext("isa=avx512", nullptr, nullptr, &context);
   cbvhReleaseContext(context);
@@ -620,8 +631,7 @@ TEST(OddContexts, InstructionSetsThatTheCpuLacksAreTheReason)
   EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), {"isa=avx512", "CPU", "selected ISA"}));
 }
 
-TEST(OddContexts, ThereMayBeMoreThanKeysOfPthreads)
-{
+TEST(OddContexts, ThereMayBeMoreThanKeysOfPthreads) {
   std::vector<CbvhContext> contexts(PTHREAD_KEYS_MAX + 100);
   for (CbvhContext& context : contexts)
     ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();
@@ -629,19 +639,18 @@ TEST(OddContexts, ThereMayBeMoreThanKeysOfPthreads)
 }
 
 // A prism with 20 sides: neither its caps nor the adjacent faces can be subdivided.
-TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
-{
+TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce) {
   std::vector<float> vertices;
   std::vector<unsigned> faces = {20, 20}, indices;
   for (unsigned k = 0; k < 2; k++)
     for (unsigned i = 0; i < 20; i++) {
-      const float a = 0.314159f*float(i);
+      const float a = 0.314159f * float(i);
       vertices.insert(vertices.end(), {std::cos(a), std::sin(a), float(k)});
-      indices.push_back(20*k + (k ? i : 19 - i));
+      indices.push_back(20 * k + (k ? i : 19 - i));
     }
   for (unsigned i = 0; i < 20; i++) {
     faces.push_back(4);
-    indices.insert(indices.end(), {i, (i + 1)%20, 20 + (i + 1)%20, 20 + i});
+    indices.insert(indices.end(), {i, (i + 1) % 20, 20 + (i + 1) % 20, 20 + i});
   }
   vertices.push_back(0);
   const float* const steps[] = {vertices.data()};
@@ -663,7 +672,7 @@ TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
   EXPECT_TRUE(containsInOrder(cbvhGetErrorText(), {"22 face", "16 ", "1024 "}));
   CbvhGroupStatistics statistics;
   EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the other faces exist";
-  EXPECT_EQ(statistics.numQuads, 6u*64);
+  EXPECT_EQ(statistics.numQuads, 6u * 64);
   EXPECT_EQ(cbvhSetSurfaceMask(prism, 1), CBVH_OK);
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
   ASSERT_EQ(cbvhSetSurfaceCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
@@ -673,5 +682,4 @@ TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
   cbvhReleaseSurface(prism);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,20 +12,17 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr int side = 201; // samples
 
 /* Houses of 5 to 20 units, in blocks without a common period. */
 float houseAt(int x, int y) { return x % 17 < 8 && y % 13 < 7 ? float(5 + (x / 17 * 7 + y / 13 * 3) % 16) : 0.0f; }
 
-class Raster
-{
+class Raster {
 public:
   /* step: between samples along x and y. maxError: 0 for the default. */
-  Raster(double step, double origin, float maxError, const std::function<float(int x, int y)>& heightAt)
-  {
+  Raster(double step, double origin, float maxError, const std::function<float(int x, int y)>& heightAt) {
     for (int y = 0; y < side; y++)
       for (int x = 0; x < side; x++)
         for (const float value : {float(origin + step * x), float(origin + step * y), heightAt(x, y)})
@@ -48,8 +45,7 @@ public:
     EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK);
     EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
   }
-  ~Raster()
-  {
+  ~Raster() {
     cbvhReleaseGroup(group);
     cbvhReleaseSurface(surface);
     cbvhReleaseContext(context);
@@ -58,11 +54,9 @@ public:
   Raster& operator=(const Raster&) = delete;
 
   /* Samples for which a vertical ray from `above` over the sample hits the stored surface. */
-  size_t numBelowSurface(double above) const
-  {
+  size_t numBelowSurface(double above) const {
     size_t count = 0;
-    for (size_t i = 0; i < size_t(side) * side; i++)
-    {
+    for (size_t i = 0; i < size_t(side) * side; i++) {
       CbvhRay ray{};
       ray.org_x = vertices[3 * i];
       ray.org_y = vertices[3 * i + 1];
@@ -85,10 +79,8 @@ private:
   CbvhGroupStatistics statistics = CbvhGroupStatistics();
 };
 
-TEST(OwnSamples, RaysStartAtSamplesOnTheLatticeAtTheDefaultPrecision)
-{
-  for (const double cell : {0.25, 1.0, 2.0, 30.0})
-  {
+TEST(OwnSamples, RaysStartAtSamplesOnTheLatticeAtTheDefaultPrecision) {
+  for (const double cell : {0.25, 1.0, 2.0, 30.0}) {
     const Raster raster(cell, -64 * cell, 0, [=](int x, int y) { return float(cell) * (houseAt(x, y) + 0.137f * x); });
     EXPECT_EQ(raster.numBelowSurface(cell / 1000), 0u) << cell;
     EXPECT_LE(raster.moved(), cell / 1024) << "x and y do not move";
@@ -96,8 +88,7 @@ TEST(OwnSamples, RaysStartAtSamplesOnTheLatticeAtTheDefaultPrecision)
 }
 
 /* The same raster with cells of 0.2, in coordinates that docs/terrain.md recommends. */
-TEST(OwnSamples, CountedColumnsAndRowsNeverMove)
-{
+TEST(OwnSamples, CountedColumnsAndRowsNeverMove) {
   const auto heightAt = [](int x, int y) { return houseAt(x, y) + 0.0137f * x; };
   EXPECT_GT(Raster(0.2, 0, 0, heightAt).numBelowSurface(0.002), 0u) << "otherwise this test shows nothing";
   EXPECT_EQ(Raster(1, 0, 0, heightAt).numBelowSurface(0.002), 0u);
@@ -105,10 +96,8 @@ TEST(OwnSamples, CountedColumnsAndRowsNeverMove)
 }
 
 /* How cbvh_terrain stores heights at any error bound. */
-TEST(OwnSamples, MultiplesOfTheSpacingDoNotMove)
-{
-  for (const float maxError : {0.3f, 0.1f, 1.0f / 64})
-  {
+TEST(OwnSamples, MultiplesOfTheSpacingDoNotMove) {
+  for (const float maxError : {0.3f, 0.1f, 1.0f / 64}) {
     const float spacing = std::ldexp(1.0f, std::ilogb(maxError));
     const Raster raster(1, 0, maxError, [=](int x, int y) {
       return std::round((houseAt(x, y) + 0.0137f * float(x)) / spacing) * spacing;
@@ -118,5 +107,4 @@ TEST(OwnSamples, MultiplesOfTheSpacingDoNotMove)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

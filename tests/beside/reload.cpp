@@ -16,11 +16,14 @@ using namespace host;
 
 namespace {
 
-size_t residentKiB()
-{
+size_t residentKiB() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
-    if (word == "VmRSS:") { size_t n = 0; status >> n; return n; }
+    if (word == "VmRSS:") {
+      size_t n = 0;
+      status >> n;
+      return n;
+    }
   return 0;
 }
 
@@ -29,17 +32,23 @@ size_t residentKiB()
   CHECK(name != nullptr); \
   if (!name) return
 
-void use(const char* path)
-{
+void use(const char* path) {
   void* const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-  if (!library) { std::fprintf(stderr, "%s\n", dlerror()); failures++; return; }
+  if (!library) {
+    std::fprintf(stderr, "%s\n", dlerror());
+    failures++;
+    return;
+  }
   FUNCTION(cbvhNewContext);
   FUNCTION(cbvhNewSurface);
   FUNCTION(cbvhSetSurfaceCage);
   FUNCTION(cbvhCommitSurface);
   FUNCTION(cbvhNewGroup);
   FUNCTION(cbvhCommitGroup);
-  FUNCTION(cbvhIntersect1); FUNCTION(cbvhReleaseSurface); FUNCTION(cbvhReleaseGroup); FUNCTION(cbvhReleaseContext);
+  FUNCTION(cbvhIntersect1);
+  FUNCTION(cbvhReleaseSurface);
+  FUNCTION(cbvhReleaseGroup);
+  FUNCTION(cbvhReleaseContext);
   CHECK(dlsym(library, "rtcNewDevice") == nullptr || dlsym(library, "rtcNewDevice") == (void*)rtcNewDevice);
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr;
@@ -66,9 +75,11 @@ void use(const char* path)
 
 } // namespace
 
-int main(int argc, char** argv)
-{
-  if (argc != 2) { std::fprintf(stderr, "reload LIBRARY\n"); return 1; }
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "reload LIBRARY\n");
+    return 1;
+  }
   RTCDevice device = rtcNewDevice(nullptr);
   size_t early = 0;
   for (int i = 0; i < 60; i++) {

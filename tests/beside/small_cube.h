@@ -11,15 +11,15 @@
 
 namespace cbvh::test {
 
-inline const float cubeVertices[] = {-1,-1,-1, 1,-1,-1, -1,1,-1, 1,1,-1, -1,-1,1, 1,-1,1, -1,1,1, 1,1,1, 0};
-inline const unsigned cubeFaces[] = {4,4,4,4,4,4},
-                      cubeIndices[] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
+inline const float cubeVertices[] = {-1, -1, -1, 1,  -1, -1, -1, 1, -1, 1, 1, -1, -1,
+                                     -1, 1,  1,  -1, 1,  -1, 1,  1, 1,  1, 1, 0};
+inline const unsigned cubeFaces[] = {4, 4, 4, 4, 4, 4},
+                      cubeIndices[] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
 inline const float* const cubeSteps[] = {cubeVertices};
-inline const float corners[] = {0,0, 1,0, 1,1, 0,1, 0,0, 1,0, 1,1, 0,1};
+inline const float corners[] = {0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 1};
 inline const CbvhAttribute attribute = {corners, 8, 8, 2, nullptr, CBVH_BOUNDARY_SMOOTH};
 
-inline CbvhCage cube()
-{
+inline CbvhCage cube() {
   CbvhCage cage = CbvhCage();
   cage.numFaces = 6;
   cage.faceVertexCounts = cubeFaces;
@@ -32,10 +32,13 @@ inline CbvhCage cube()
   return cage;
 }
 
-inline CbvhRayHit rayFromAbove()
-{
+inline CbvhRayHit rayFromAbove() {
   CbvhRayHit r = CbvhRayHit();
-  r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
+  r.ray.org_x = r.ray.org_y = 0.01f;
+  r.ray.org_z = 5;
+  r.ray.dir_z = -1;
+  r.ray.tfar = INFINITY;
+  r.ray.mask = 1;
   return r;
 }
 

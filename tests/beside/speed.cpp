@@ -20,30 +20,26 @@ using namespace host;
 
 namespace {
 
-double secondsOf(const std::function<void()>& run)
-{
+double secondsOf(const std::function<void()>& run) {
   const auto start = std::chrono::steady_clock::now();
   run();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-double median(std::vector<double> values)
-{
+double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  return values[values.size()/2];
+  return values[values.size() / 2];
 }
 
 // Traced alternately with others, with the same rays.
-struct Contender
-{
+struct Contender {
   const char* name;
   std::function<void(std::vector<RTCRayHit>&)> trace;
   std::vector<double> seconds;
 };
 
 template<unsigned N>
-void inPackets(RTCScene scene, std::vector<RTCRayHit>& rays)
-{
+void inPackets(RTCScene scene, std::vector<RTCRayHit>& rays) {
   alignas(64) int valid[N];
   std::fill(valid, valid + N, -1);
   for (size_t first = 0; first + N <= rays.size(); first += N) {
@@ -54,8 +50,7 @@ void inPackets(RTCScene scene, std::vector<RTCRayHit>& rays)
 }
 
 void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<Contender> contenders, unsigned turns,
-             bool isOfFirst = false)
-{
+             bool isOfFirst = false) {
   for (unsigned turn = 0; turn < turns; turn++)
     for (Contender& contender : contenders) {
       std::vector<RTCRayHit> traced = rays;
@@ -64,15 +59,14 @@ void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<C
   const double first = median(contenders[0].seconds);
   std::printf("| %-22s |", what);
   for (const Contender& contender : contenders)
-    std::printf(" %6.2f |", double(rays.size())/median(contender.seconds)*1e-6);
+    std::printf(" %6.2f |", double(rays.size()) / median(contender.seconds) * 1e-6);
   for (size_t i = 1; i < contenders.size(); i++)
-    std::printf(" %5.2f |", isOfFirst ? first/median(contenders[i].seconds) : median(contenders[i].seconds)/first);
+    std::printf(" %5.2f |", isOfFirst ? first / median(contenders[i].seconds) : median(contenders[i].seconds) / first);
   std::printf("\n");
 }
 
 /* The original cube, and the cube loaded from a file. */
-void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count, unsigned turns)
-{
+void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count, unsigned turns) {
   const std::string path = std::string(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/tmp") + "/beside_speed_" +
                            std::to_string(getpid()) + ".cbvh";
   const Cube cube;
@@ -93,8 +87,8 @@ void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count
       };
     };
     std::printf(
-      "\n| opened in %.1f ms, million per second | original | from a file | file/original |\n|:--|--:|--:|--:|\n",
-      1e3*seconds);
+        "\n| opened in %.1f ms, million per second | original | from a file | file/original |\n|:--|--:|--:|--:|\n",
+        1e3 * seconds);
     std::mt19937 random(3);
     for (bool areCoherent : {true, false})
       measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent),
@@ -106,8 +100,7 @@ void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count
 
 } // namespace
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   size_t count = 200000;
   float rate = 256;
   unsigned turns = 7;
@@ -116,17 +109,20 @@ int main(int argc, char** argv)
     if (option == "--rays") count = std::strtoul(argv[i + 1], nullptr, 10);
     else if (option == "--rate") rate = std::strtof(argv[i + 1], nullptr);
     else if (option == "--turns") turns = unsigned(std::strtoul(argv[i + 1], nullptr, 10));
-    else { std::fprintf(stderr, "beside_speed: unknown option %s\n", argv[i]); return 1; }
+    else {
+      std::fprintf(stderr, "beside_speed: unknown option %s\n", argv[i]);
+      return 1;
+    }
   }
   RTCDevice device = rtcNewDevice(nullptr);
   ssize_t live = 0;
   rtcSetDeviceMemoryMonitorFunction(
-    device,
-    [](void* sum, ssize_t bytes, bool) {
-      __atomic_add_fetch((ssize_t*)sum, bytes, __ATOMIC_RELAXED);
-      return true;
-    },
-    &live);
+      device,
+      [](void* sum, ssize_t bytes, bool) {
+        __atomic_add_fetch((ssize_t*)sum, bytes, __ATOMIC_RELAXED);
+        return true;
+      },
+      &live);
   CbvhContext context = nullptr;
   OK(cbvhNewContext(nullptr, nullptr, nullptr, &context));
   {
@@ -143,12 +139,13 @@ int main(int argc, char** argv)
     OK(cbvhGetGroupStatistics(*group, &statistics));
     const double quads = double(statistics.numQuads);
     std::printf(
-      "Embree %s; a displaced cube of %.2f million quads: %.1f bytes per quad, built in %.2f s; its own subdivision "
-      "surface %.1f bytes, %.2f s\n\n",
-      RTC_VERSION_STRING, quads*1e-6, double(statistics.bytes)/quads, ours, double(live - before)/quads, theirs);
+        "Embree %s; a displaced cube of %.2f million quads: %.1f bytes per quad, built in %.2f s; its own subdivision "
+        "surface %.1f bytes, %.2f s\n\n",
+        RTC_VERSION_STRING, quads * 1e-6, double(statistics.bytes) / quads, ours, double(live - before) / quads,
+        theirs);
     std::printf(
-      "| rays, million per second | user geometry | libembree_cbvh alone | Embree's own | user geometry/alone | user "
-      "geometry/Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
+        "| rays, million per second | user geometry | libembree_cbvh alone | Embree's own | user geometry/alone | user "
+        "geometry/Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
     const auto single = [](RTCScene in) {
       return [in](std::vector<RTCRayHit>& rays) {
         for (RTCRayHit& r : rays) intersect(in, r);
@@ -188,12 +185,12 @@ int main(int argc, char** argv)
   {
     /* surfaces that overlap */
     constexpr unsigned count9 = 9;
-    const Group together(context, rate/2, count9);
+    const Group together(context, rate / 2, count9);
     const Scene asOne(device, together);
     std::vector<std::unique_ptr<Group>> each;
     Scene asMany(device, nullptr);
     for (unsigned i = 0; i < count9; i++) {
-      each.push_back(std::make_unique<Group>(context, rate/2, 1, 1, int(i)));
+      each.push_back(std::make_unique<Group>(context, rate / 2, 1, 1, int(i)));
       RTCGeometry geometry = cbvhNewGeometry(device, *each.back(), 0);
       rtcAttachGeometry(asMany, geometry);
       rtcReleaseGeometry(geometry);
@@ -209,8 +206,8 @@ int main(int argc, char** argv)
       for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr);
     };
     std::printf(
-      "\n| nine surfaces, million per second | libembree_cbvh alone | as one geometry | as nine | one/alone | "
-      "nine/alone |\n|:--|--:|--:|--:|--:|--:|\n");
+        "\n| nine surfaces, million per second | libembree_cbvh alone | as one geometry | as nine | one/alone | "
+        "nine/alone |\n|:--|--:|--:|--:|--:|--:|\n");
     std::mt19937 random(2);
     for (bool areCoherent : {true, false})
       measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent, 0.6f),

@@ -26,8 +26,7 @@
 namespace embree { namespace core {
 
 /* A struct that gained members in its second version. */
-struct Grown
-{
+struct Grown {
   size_t structSize;
   int a, b;
   double c;
@@ -39,30 +38,26 @@ void throwInvalidArgument(const std::string& text) { throw std::invalid_argument
 
 }} // namespace embree::core
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using Bytes = std::vector<char>;
 
 // A struct, and a function of the library that reads or writes it.
-struct Case
-{
+struct Case {
   std::string name;
   bool isWritten;
-  Bytes valid;                              // of this version
-  std::function<std::string(void*)> call;   // returns the text of the error, empty if there is none
+  Bytes valid;                            // of this version
+  std::function<std::string(void*)> call; // returns the text of the error, empty if there is none
 };
 
 template<typename T>
-Case caseOf(const char* name, bool isWritten, const T& valid, const std::function<std::string(T*)>& call)
-{
+Case caseOf(const char* name, bool isWritten, const T& valid, const std::function<std::string(T*)>& call) {
   return {name, isWritten, Bytes((const char*)&valid, (const char*)(&valid + 1)),
-      [=](void* bytes) { return call((T*)bytes); }};
+          [=](void* bytes) { return call((T*)bytes); }};
 }
 
 // A committed and traced surface, and a committed and saved geometry.
-struct StructSizes : ::testing::Test
-{
+struct StructSizes : ::testing::Test {
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr, other = nullptr;
   CbvhGroup group = nullptr;
@@ -74,8 +69,7 @@ struct StructSizes : ::testing::Test
   RTCCompressedFile file = nullptr;
   std::vector<Case> cases;
 
-  StructSizes()
-  {
+  StructSizes() {
     const auto keep = [](void* self, CbvhError code, const char* text) {
       EXPECT_EQ(code, CBVH_ERROR_INVALID_ARGUMENT);
       *(std::string*)self = text;
@@ -100,15 +94,14 @@ struct StructSizes : ::testing::Test
     rtcCommitGeometry(cage);
     rtcAttachGeometry(scene, geometry);
     rtcCommitScene(scene);
-    EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"one").c_str())) << device.message;
-    file = rtcOpenCompressedFile(device, (folder/"one").c_str());
+    EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "one").c_str())) << device.message;
+    file = rtcOpenCompressedFile(device, (folder / "one").c_str());
     EXPECT_NE(file, nullptr) << device.message;
     addCases();
     addCbvhCases();
   }
 
-  ~StructSizes() override
-  {
+  ~StructSizes() override {
     rtcReleaseCompressedFile(file);
     rtcReleaseGeometry(cage);
     rtcReleaseGeometry(geometry);
@@ -118,73 +111,68 @@ struct StructSizes : ::testing::Test
     cbvhReleaseContext(context);
   }
 
-  std::string error()
-  {
+  std::string error() {
     const RTCError code = device.takeError();
     if (code == RTC_ERROR_NONE) return "";
     EXPECT_EQ(code, RTC_ERROR_INVALID_ARGUMENT);
     return device.message;
   }
 
-  static std::string error(CbvhError code)
-  {
+  static std::string error(CbvhError code) {
     if (code == CBVH_OK) return "";
     EXPECT_EQ(code, CBVH_ERROR_INVALID_ARGUMENT);
     return cbvhGetErrorText();
   }
 
-  void addCases()
-  {
+  void addCases() {
     RTCCompressionArguments compression;
     rtcInitCompressionArguments(&compression);
     cases.push_back(caseOf<RTCCompressionArguments>("RTCCompressionArguments", false, compression,
-      [=](RTCCompressionArguments* args) {
-        rtcSetGeometryCompression(cage, args);
-        const std::string text = error();
-        rtcCommitGeometry(cage);
-        return text;
-      }));
+                                                    [=](RTCCompressionArguments* args) {
+                                                      rtcSetGeometryCompression(cage, args);
+                                                      const std::string text = error();
+                                                      rtcCommitGeometry(cage);
+                                                      return text;
+                                                    }));
     RTCDicingArguments dicing;
     rtcInitDicingArguments(&dicing);
     dicing.pixelSize = 0.1f;
-    cases.push_back(caseOf<RTCDicingArguments>("RTCDicingArguments", false, dicing,
-      [=](RTCDicingArguments* args) {
-        rtcDiceGeometry(cage, args);
-        const std::string text = error();
-        rtcCommitGeometry(cage);
-        return text;
-      }));
+    cases.push_back(caseOf<RTCDicingArguments>("RTCDicingArguments", false, dicing, [=](RTCDicingArguments* args) {
+      rtcDiceGeometry(cage, args);
+      const std::string text = error();
+      rtcCommitGeometry(cage);
+      return text;
+    }));
     cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
-      [=](RTCCompressionStatistics* statistics) {
-        rtcGetSceneCompressionStatistics(scene, statistics);
-        return error();
-      }));
+                                                     [=](RTCCompressionStatistics* statistics) {
+                                                       rtcGetSceneCompressionStatistics(scene, statistics);
+                                                       return error();
+                                                     }));
     cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
-      [=](RTCCompressionStatistics* statistics) {
-        rtcGetCompressedFileGeometryStatistics(file, 0, statistics);
-        return error();
-      }));
+                                                     [=](RTCCompressionStatistics* statistics) {
+                                                       rtcGetCompressedFileGeometryStatistics(file, 0, statistics);
+                                                       return error();
+                                                     }));
     cases.push_back(caseOf<RTCCompressedFileGeometryInfo>("RTCCompressedFileGeometryInfo", true, {},
-      [=](RTCCompressedFileGeometryInfo* description) {
-        rtcGetCompressedFileGeometryInfo(file, 0, description);
-        return error();
-      }));
-    cases.push_back(caseOf<RTCCompressedClusterStatistics>("RTCCompressedClusterStatistics", true, {},
-      [=](RTCCompressedClusterStatistics* report) {
-        rtcForEachCompressedCluster(geometry, 0, RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
-        return error();
-      }));
+                                                          [=](RTCCompressedFileGeometryInfo* description) {
+                                                            rtcGetCompressedFileGeometryInfo(file, 0, description);
+                                                            return error();
+                                                          }));
+    cases.push_back(caseOf<RTCCompressedClusterStatistics>(
+        "RTCCompressedClusterStatistics", true, {}, [=](RTCCompressedClusterStatistics* report) {
+          rtcForEachCompressedCluster(geometry, 0, RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
+          return error();
+        }));
   }
 
-  void addCbvhCases()
-  {
+  void addCbvhCases() {
     cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(),
-      [=](CbvhCage* input) { return error(cbvhSetSurfaceCage(other, input)); }));
+                                     [=](CbvhCage* input) { return error(cbvhSetSurfaceCage(other, input)); }));
     static const CbvhGrid grid = {0, 2, 2, 4};
     cases.push_back(caseOf<CbvhGrids>("CbvhGrids", false, {sizeof(CbvhGrids), 1, &grid, cube().vertices},
-      [=](CbvhGrids* input) { return error(cbvhSetSurfaceGrids(other, input)); }));
+                                      [=](CbvhGrids* input) { return error(cbvhSetSurfaceGrids(other, input)); }));
     cases.push_back(caseOf<CbvhMesh>("CbvhMesh", false, {sizeof(CbvhMesh), 4, 6, cubeIndices, cube().vertices},
-      [=](CbvhMesh* input) { return error(cbvhSetSurfaceMesh(other, input)); }));
+                                     [=](CbvhMesh* input) { return error(cbvhSetSurfaceMesh(other, input)); }));
     CbvhDicingArguments dicing = CbvhDicingArguments();
     dicing.pixelSize = 0.1f;
     cases.push_back(caseOf<CbvhDicingArguments>("CbvhDicingArguments", false, dicing, [=](CbvhDicingArguments* input) {
@@ -192,13 +180,13 @@ struct StructSizes : ::testing::Test
       EXPECT_EQ(cbvhSetSurfaceCage(other, &again), CBVH_OK);
       return error(cbvhDiceSurface(other, input, nullptr));
     }));
-    cases.push_back(caseOf<CbvhAccuracy>("CbvhAccuracy", false, {},
-        [=](CbvhAccuracy* input) { return error(cbvhSetSurfaceAccuracy(other, input)); }));
+    cases.push_back(caseOf<CbvhAccuracy>(
+        "CbvhAccuracy", false, {}, [=](CbvhAccuracy* input) { return error(cbvhSetSurfaceAccuracy(other, input)); }));
     static const float uv[1] = {0.5f};
     static float P[2];
-    cases.push_back(caseOf<CbvhInterpolationPoints>("CbvhInterpolationPoints", false,
-        {sizeof(CbvhInterpolationPoints), 0, 0, 1, uv, uv, P, nullptr, nullptr},
-      [=](CbvhInterpolationPoints* points) { return error(cbvhInterpolateAttributeAtPoints(surface, points)); }));
+    cases.push_back(caseOf<CbvhInterpolationPoints>(
+        "CbvhInterpolationPoints", false, {sizeof(CbvhInterpolationPoints), 0, 0, 1, uv, uv, P, nullptr, nullptr},
+        [=](CbvhInterpolationPoints* points) { return error(cbvhInterpolateAttributeAtPoints(surface, points)); }));
     const auto trace = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
         reported.clear();
@@ -215,48 +203,49 @@ struct StructSizes : ::testing::Test
         reported.clear();
         alignas(16) RTCRayHit4 rays = RTCRayHit4();
         for (int i = 0; i < 4; i++) {
-          rays.ray.org_x[i] = rays.ray.org_y[i] = 0.01f; rays.ray.org_z[i] = 5; rays.ray.dir_z[i] = -1;
-          rays.ray.tfar[i] = INFINITY; rays.ray.mask[i] = 1;
+          rays.ray.org_x[i] = rays.ray.org_y[i] = 0.01f;
+          rays.ray.org_z[i] = 5;
+          rays.ray.dir_z[i] = -1;
+          rays.ray.tfar[i] = INFINITY;
+          rays.ray.mask[i] = 1;
         }
-        const unsigned hits = isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query)
-            : cbvhIntersect4(group, nullptr, &rays, query);
+        const unsigned hits =
+            isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query) : cbvhIntersect4(group, nullptr, &rays, query);
         EXPECT_EQ(hits, reported.empty() ? 15u : 0u) << reported;
         return reported;
       };
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(false)));
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(true)));
-    cases.push_back(caseOf<CbvhGroupStatistics>("CbvhGroupStatistics", true, {},
-        [=](CbvhGroupStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
-    cases.push_back(caseOf<CbvhClusterStatistics>("CbvhClusterStatistics", true, {},
-      [=](CbvhClusterStatistics* report) {
-        return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report));
-      }));
+    cases.push_back(caseOf<CbvhGroupStatistics>("CbvhGroupStatistics", true, {}, [=](CbvhGroupStatistics* statistics) {
+      return error(cbvhGetGroupStatistics(group, statistics));
+    }));
+    cases.push_back(
+        caseOf<CbvhClusterStatistics>("CbvhClusterStatistics", true, {}, [=](CbvhClusterStatistics* report) {
+          return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report));
+        }));
   }
 
   // A struct of another version: tail bytes are appended, and structSize is set.
-  static Bytes withSize(const Case& of, size_t structSize, const Bytes& tail)
-  {
+  static Bytes withSize(const Case& of, size_t structSize, const Bytes& tail) {
     Bytes bytes = of.valid;
     bytes.insert(bytes.end(), tail.begin(), tail.end());
     std::memcpy(bytes.data(), &structSize, sizeof(structSize));
     return bytes;
   }
 
-  static void expectRefused(const Case& of, Bytes bytes, const char* what)
-  {
+  static void expectRefused(const Case& of, Bytes bytes, const char* what) {
     size_t size;
     std::memcpy(&size, bytes.data(), sizeof(size));
     const Bytes before = bytes;
     EXPECT_TRUE(containsInOrder(of.call(bytes.data()),
                                 {of.name, "structSize", std::to_string(size), std::to_string(of.valid.size())}))
-      << what;
+        << what;
     EXPECT_EQ(bytes, before) << what;
   }
 };
 
-TEST_F(StructSizes, DefaultsAreTheSizesOfThisVersion)
-{
+TEST_F(StructSizes, DefaultsAreTheSizesOfThisVersion) {
   for (const Case& c : cases) {
     size_t size;
     std::memcpy(&size, c.valid.data(), sizeof(size));
@@ -264,8 +253,7 @@ TEST_F(StructSizes, DefaultsAreTheSizesOfThisVersion)
   }
 }
 
-TEST_F(StructSizes, ZeroTooSmallAndTooLargeAreRejected)
-{
+TEST_F(StructSizes, ZeroTooSmallAndTooLargeAreRejected) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     expectRefused(c, withSize(c, 0, {}), "zero");
@@ -276,8 +264,7 @@ TEST_F(StructSizes, ZeroTooSmallAndTooLargeAreRejected)
   }
 }
 
-TEST_F(StructSizes, ThisVersionIsAccepted)
-{
+TEST_F(StructSizes, ThisVersionIsAccepted) {
   for (const Case& c : cases) {
     Bytes bytes = c.valid;
     EXPECT_EQ(c.call(bytes.data()), "") << c.name;
@@ -285,8 +272,7 @@ TEST_F(StructSizes, ThisVersionIsAccepted)
   }
 }
 
-TEST_F(StructSizes, NewerInputIsAcceptedIfItsNewMembersAreZero)
-{
+TEST_F(StructSizes, NewerInputIsAcceptedIfItsNewMembersAreZero) {
   for (const Case& c : cases) {
     if (c.isWritten) continue;
     SCOPED_TRACE(c.name);
@@ -303,8 +289,7 @@ TEST_F(StructSizes, NewerInputIsAcceptedIfItsNewMembersAreZero)
   }
 }
 
-TEST_F(StructSizes, NewerOutputIsFilledWithZeros)
-{
+TEST_F(StructSizes, NewerOutputIsFilledWithZeros) {
   for (const Case& c : cases) {
     if (!c.isWritten) continue;
     SCOPED_TRACE(c.name);
@@ -323,8 +308,7 @@ TEST_F(StructSizes, NewerOutputIsFilledWithZeros)
 }
 
 // An application of the first version passes a struct that has since gained members.
-TEST(StructGrowth, MissingMembersAreZeroAndNotWritten)
-{
+TEST(StructGrowth, MissingMembersAreZeroAndNotWritten) {
   using embree::core::Grown;
   Grown application = {16, 3, 4, 5.0};
   const Grown read = embree::core::readStruct(&application);
@@ -345,15 +329,13 @@ TEST(StructGrowth, MissingMembersAreZeroAndNotWritten)
 
 // Default initialization, as in `CbvhCage cage;`. Not inlined, so that the caller's bytes remain where it writes none.
 template<typename T>
-__attribute__((noinline)) void initialize(void* memory)
-{
+__attribute__((noinline)) void initialize(void* memory) {
   new (memory) T;
 }
 
 // Checks default initialization in memory that is not zero. Bytes between members keep their values.
 template<typename T>
-void expectDefaults(const T& defaults)
-{
+void expectDefaults(const T& defaults) {
   static_assert(std::is_aggregate_v<T>, "brace initialization must remain possible");
   SCOPED_TRACE(testing::internal::GetTypeName<T>());
   alignas(T) unsigned char memory[2][sizeof(T)], expected[sizeof(T)];
@@ -371,8 +353,7 @@ void expectDefaults(const T& defaults)
   EXPECT_LE(untouched, 12u) << "only padding";
 }
 
-TEST(DefaultMemberInitializers, SetAllMembers)
-{
+TEST(DefaultMemberInitializers, SetAllMembers) {
   RTCCompressionArguments arguments;
   std::memset((void*)&arguments, 0, sizeof(arguments));
   rtcInitCompressionArguments(&arguments);
@@ -386,9 +367,18 @@ TEST(DefaultMemberInitializers, SetAllMembers)
     value.structSize = sizeof(value);
     expectDefaults(value);
   };
-  zeros(CbvhCage()); zeros(CbvhGrids()); zeros(CbvhMesh()); zeros(CbvhDicingArguments()); zeros(CbvhAccuracy());
-  zeros(CbvhInterpolationPoints()); zeros(CbvhGroupStatistics()); zeros(CbvhQuery()); zeros(CbvhClusterStatistics());
-  zeros(RTCCompressionStatistics()); zeros(RTCCompressedFileGeometryInfo()); zeros(RTCCompressedClusterStatistics());
+  zeros(CbvhCage());
+  zeros(CbvhGrids());
+  zeros(CbvhMesh());
+  zeros(CbvhDicingArguments());
+  zeros(CbvhAccuracy());
+  zeros(CbvhInterpolationPoints());
+  zeros(CbvhGroupStatistics());
+  zeros(CbvhQuery());
+  zeros(CbvhClusterStatistics());
+  zeros(RTCCompressionStatistics());
+  zeros(RTCCompressedFileGeometryInfo());
+  zeros(RTCCompressedClusterStatistics());
   CbvhVertices vertices;
   std::memset((void*)&vertices, 0, sizeof(vertices));
   expectDefaults(vertices);
@@ -397,5 +387,4 @@ TEST(DefaultMemberInitializers, SetAllMembers)
   expectDefaults(attribute);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

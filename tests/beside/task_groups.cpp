@@ -13,28 +13,24 @@
 #include <cstdio>
 #include <string>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 const float* const movingSteps[] = {cubeVertices, cubeVertices};
 
-CbvhCage cubeOfSteps(unsigned timeSteps)
-{
+CbvhCage cubeOfSteps(unsigned timeSteps) {
   CbvhCage cage = cube();
   cage.vertices = {8, 12, movingSteps, timeSteps, 0, 1};
   return cage;
 }
 
-struct Work
-{
+struct Work {
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr, loaded = nullptr;
   CbvhGroup group = nullptr;
   const std::string path = testing::TempDir() + "task_groups.cbvh";
 
   Work() { cbvhNewContext(nullptr, nullptr, nullptr, &context); }
-  ~Work()
-  {
+  ~Work() {
     cbvhReleaseGroup(group);
     cbvhReleaseSurface(surface);
     cbvhReleaseSurface(loaded);
@@ -44,32 +40,27 @@ struct Work
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
 
-  bool commitSurface(unsigned timeSteps)
-  {
+  bool commitSurface(unsigned timeSteps) {
     const CbvhCage cage = cubeOfSteps(timeSteps);
-    return !cbvhNewSurface(context, &surface) && !cbvhSetSurfaceCage(surface, &cage)
-           && !cbvhCommitSurface(surface, nullptr, nullptr);
+    return !cbvhNewSurface(context, &surface) && !cbvhSetSurfaceCage(surface, &cage) &&
+           !cbvhCommitSurface(surface, nullptr, nullptr);
   }
-  bool saveAndLoad()
-  {
+  bool saveAndLoad() {
     return !cbvhSaveSurface(surface, path.c_str()) && !cbvhLoadSurface(context, path.c_str(), &loaded);
   }
-  bool commitGroup()
-  {
+  bool commitGroup() {
     const CbvhSurface surfaces[] = {surface, loaded};
     if (!group && cbvhNewGroup(context, surfaces, 2, &group)) return false;
     return !cbvhCommitGroup(group);
   }
-  bool isHit() const
-  {
+  bool isHit() const {
     CbvhRayHit ray = rayFromAbove();
     return cbvhIntersect1(group, &ray, nullptr);
   }
 };
 
 // Exit status of a child process: 0 if everything worked.
-int workInTemporaryGroups(unsigned timeSteps)
-{
+int workInTemporaryGroups(unsigned timeSteps) {
   bool worked = true;
   {
     Work work;
@@ -88,14 +79,12 @@ int workInTemporaryGroups(unsigned timeSteps)
   return worked ? 0 : 1;
 }
 
-TEST(BesideTaskGroups, GroupsOutliveTheTaskGroupThatCommitsThem)
-{
+TEST(BesideTaskGroups, GroupsOutliveTheTaskGroupThatCommitsThem) {
   for (unsigned timeSteps : {1u, 2u})
     EXPECT_EQ(statusOfChild([&] { return workInTemporaryGroups(timeSteps); }), 0) << timeSteps << " time step(s)";
 }
 
-TEST(BesideTaskGroups, FunctionsInACanceledTaskGroupComplete)
-{
+TEST(BesideTaskGroups, FunctionsInACanceledTaskGroupComplete) {
   for (unsigned timeSteps : {1u, 2u}) {
     Work work;
     tbb::task_group group;
@@ -123,5 +112,4 @@ TEST(BesideTaskGroups, FunctionsInACanceledTaskGroupComplete)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

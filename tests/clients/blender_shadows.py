@@ -76,8 +76,19 @@ def render(options, folder, settings, compressions):
     """A picture for each compression, and the paths of the Embree libraries and the interposer that Blender loaded."""
     environment = {name: value for name, value in os.environ.items() if name not in ("EMBREE_CBVH", "LD_LIBRARY_PATH")}
     folder.mkdir(parents=True, exist_ok=True)
-    words = [options.blender, "-b", "--python-exit-code", "1", "--python", SCENE, "--",
-             folder, options.samples, options.edge, *compressions]
+    words = [
+        options.blender,
+        "-b",
+        "--python-exit-code",
+        "1",
+        "--python",
+        SCENE,
+        "--",
+        folder,
+        options.samples,
+        options.edge,
+        *compressions,
+    ]
     words = [str(word) for word in words]
     done = subprocess.run(words, env={**environment, **settings}, capture_output=True, text=True, check=False)
     loaded = re.search(r"^libraries: *(.*)", done.stderr, re.MULTILINE)
@@ -120,8 +131,10 @@ def check(options, folder):
     for name, picture in [("not compressed", plain), (system_name, system), *rows]:
         dark[name], bright, largest, mean = picture.compare(plain)
         blocks = "" if picture.mebibytes is None else f"{picture.mebibytes:.2f}"
-        print(f"| {name} | {dark[name]} | {bright} | {100 * largest:.2f}% | {100 * mean:.4f}% | {blocks} "
-              f"| {picture.seconds:.1f} s |")
+        print(
+            f"| {name} | {dark[name]} | {bright} | {100 * largest:.2f}% | {100 * mean:.4f}% | {blocks} "
+            f"| {picture.seconds:.1f} s |"
+        )
         if bright:
             complain(f"{name}: {bright} pixels are brighter by more than 5%, none may be")
         if name in ("default", "edge/2048") and largest > MOST_DARKENING:
@@ -134,8 +147,10 @@ def check(options, folder):
         if dark[name] > most:
             complain(f"{name}: {dark[name]} pixels are darker by more than 5%, at most {most} may be")
     if dark["edge/36"] < 100 * MOST_DARK:
-        complain(f"edge/36: {dark['edge/36']} pixels are darker by more than 5%, at least {100 * MOST_DARK} should be: "
-                 "the scene does not show the effect")
+        complain(
+            f"edge/36: {dark['edge/36']} pixels are darker by more than 5%, at least {100 * MOST_DARK} should be: "
+            "the scene does not show the effect"
+        )
 
 
 def main():

@@ -22,7 +22,7 @@ import numpy as np
 QUADS = 1000
 SUN_DEGREES = 78  # from the vertical: shadow rays graze the sheet
 
-folder, samples, edge, *compressions = sys.argv[sys.argv.index("--") + 1:]
+folder, samples, edge, *compressions = sys.argv[sys.argv.index("--") + 1 :]
 edge = float(edge)
 size = QUADS * edge
 
@@ -100,5 +100,8 @@ for compression in compressions:
 
 NAMES = ("libembree3.so", "libembree4.so", "libembree_cbvh_interposer.so")
 with open("/proc/self/maps") as maps:
-    print("libraries:", *sorted({line.split()[-1] for line in maps if any(name in line for name in NAMES)}),
-          file=sys.stderr)
+    print(
+        "libraries:",
+        *sorted({line.split()[-1] for line in maps if any(name in line for name in NAMES)}),
+        file=sys.stderr,
+    )

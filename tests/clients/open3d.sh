@@ -14,7 +14,10 @@ clients=$(cd -- "$(dirname -- "$0")/../install/clients" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset EMBREE_CBVH
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 
 "$@" -shared -fPIC "$clients/open3d_masks.c" -ldl -o "$work/masks.so"
 
@@ -23,7 +26,10 @@ queries() {
   name=$1
   shift
   env "$@" "$python" -B "$clients/open3d_queries.py" "$work/$name" > "$work/$name.hits" 2> "$work/$name.err" ||
-    { cat "$work/$name.err"; fail "Open3D does not run its queries: $name"; }
+    {
+      cat "$work/$name.err"
+      fail "Open3D does not run its queries: $name"
+    }
 }
 own="LD_LIBRARY_PATH=$ours${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 queries stock
@@ -38,13 +44,16 @@ done
 
 # of 76,800 rays; each ray that hits the torus hits at least two triangles
 read -r hits occluded counts < "$work/ours_masks.hits"
-if [ "$hits" -lt 25000 ] || [ "$hits" -gt 35000 ] || [ "$occluded" != "$hits" ] || [ "$counts" -lt $((2*hits)) ]; then
+if [ "$hits" -lt 25000 ] || [ "$hits" -gt 35000 ] || [ "$occluded" != "$hits" ] || [ "$counts" -lt $((2 * hits)) ]; then
   fail "with masks, $hits hits, $occluded occluded rays, $counts triangles"
 fi
 grep -q "compression: .*triangle mesh as" "$work/compressed.err" ||
-  { cat "$work/compressed.err"; fail "the torus is not compressed"; }
+  {
+    cat "$work/compressed.err"
+    fail "the torus is not compressed"
+  }
 read -r found _ _ < "$work/compressed.hits"
-if [ "$found" -lt $((hits-hits/1000)) ] || [ "$found" -gt $((hits+hits/1000)) ]; then
+if [ "$found" -lt $((hits - hits / 1000)) ] || [ "$found" -gt $((hits + hits / 1000)) ]; then
   fail "$found hits of the compressed torus, expected about $hits"
 fi
 echo "without masks $(cat "$work/stock.hits"); with masks $(cat "$work/ours_masks.hits"); compressed $found hits"

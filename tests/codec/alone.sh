@@ -13,7 +13,8 @@ failed=0
 
 # check FILE FLAG...
 check() {
-  file=$1; shift
+  file=$1
+  shift
   if ! included=$("$compiler" -std=c++14 -x c++ -include "$file" "$@" -fsyntax-only -Wall -Wextra -H /dev/null \
     2>&1); then
     echo "$included" | grep -v '^[.!]' | head -n 20
@@ -21,7 +22,10 @@ check() {
     failed=1
   fi
   others=$(echo "$included" | sed -n 's/^\.* //p' | grep -iE '(^|/)(embree|cbvh|tbb|oneapi)' || true)
-  [ -z "$others" ] || { echo "$file includes $others"; failed=1; }
+  [ -z "$others" ] || {
+    echo "$file includes $others"
+    failed=1
+  }
 }
 
 # the ISAs of other processors
@@ -29,13 +33,16 @@ case $("$compiler" -dumpmachine) in aarch64*) foreign="sse avx" ;; *) foreign=ne
 
 count=0
 for file in cvert/*/*.h cvert/*/*.cpp; do
-  for isa in $foreign; do case $file in *_$isa.h) continue 2 ;; esac; done
+  for isa in $foreign; do case $file in *_$isa.h) continue 2 ;; esac done
   count=$((count + 1))
   check "$file"
   case $file in
     cvert/encoder/* | */lanes.h | */vertices4.h) check "$file" -DCVERT_PORTABLE ;;
   esac
 done
-[ "$count" -gt 20 ] || { echo "no files of the codec in $2"; failed=1; }
+[ "$count" -gt 20 ] || {
+  echo "no files of the codec in $2"
+  failed=1
+}
 [ "$failed" != 0 ] || echo "$count files compile by themselves"
 exit "$failed"

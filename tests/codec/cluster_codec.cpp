@@ -21,35 +21,30 @@
 
 using namespace cvert;
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 typedef std::array<float, 3> Vertex;
 
-struct Grid
-{
+struct Grid {
   unsigned width, height; // in vertices
   std::vector<Vertex> vertices;
 
-  Grid(unsigned quadsX, unsigned quadsY) : width(quadsX + 1), height(quadsY + 1), vertices(width*height) {}
-  Vertex& at(unsigned x, unsigned y) { return vertices[y*width + x]; }
+  Grid(unsigned quadsX, unsigned quadsY) : width(quadsX + 1), height(quadsY + 1), vertices(width * height) {}
+  Vertex& at(unsigned x, unsigned y) { return vertices[y * width + x]; }
   const float* points() const { return vertices[0].data(); }
 
   // Multiples of 2^exponent from `first` on, with noise of some bits.
-  void fill(Random& random, int exponent, int first, unsigned bits)
-  {
+  void fill(Random& random, int exponent, int first, unsigned bits) {
     for (Vertex& v : vertices)
       for (float& x : v) x = std::ldexp(float(first + int(random.below(1u << bits))), exponent);
   }
 };
 
-bool place(const Grid& grid, LatticePoints& points)
-{
+bool place(const Grid& grid, LatticePoints& points) {
   return points.set(grid.points(), grid.width, grid.width, grid.height);
 }
 
-TEST(ClusterCodec, PointsAreFloatsDividedByPowerOfTwo)
-{
+TEST(ClusterCodec, PointsAreFloatsDividedByPowerOfTwo) {
   Random random(181);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   for (int round = 0; round < 2000; round++) {
@@ -68,15 +63,16 @@ TEST(ClusterCodec, PointsAreFloatsDividedByPowerOfTwo)
   }
 }
 
-TEST(ClusterCodec, RejectsVerticesOutsideOfFormat)
-{
+TEST(ClusterCodec, RejectsVerticesOutsideOfFormat) {
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   const auto fits = [&](float a, float b) {
     Grid grid(1, 1);
-    grid.at(0, 0) = {a, 0, 0}; grid.at(1, 0) = {b, 0, 0};
+    grid.at(0, 0) = {a, 0, 0};
+    grid.at(1, 0) = {b, 0, 0};
     if (!place(grid, *points)) return false;
     LatticeSpan span;
-    span.add(points->at[0]); span.add(points->at[1]);
+    span.add(points->at[0]);
+    span.add(points->at[1]);
     return span.fits();
   };
   EXPECT_TRUE(fits(8388607, 8388606));
@@ -95,20 +91,18 @@ TEST(ClusterCodec, RejectsVerticesOutsideOfFormat)
 }
 
 // Vertices on a lattice are the same floats after encoding and decoding as COMPRESSED1.
-void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const LatticePoints& points)
-{
+void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const LatticePoints& points) {
   LatticeSpan span;
   for (unsigned i = 0; i < triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
   ASSERT_TRUE(span.fits());
-  std::vector<uint32_t> data(maxCompressed1Bytes(81)/4 + 1);
+  std::vector<uint32_t> data(maxCompressed1Bytes(81) / 4 + 1);
   const size_t bytes = writeCompressed1(points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
   const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
   for (unsigned i = 0; i < triangles.numVertices; i++)
     ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
 }
 
-TEST(ClusterCodec, Compressed1RoundTripsVertices)
-{
+TEST(ClusterCodec, Compressed1RoundTripsVertices) {
   Random random(182);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   for (int round = 0; round < 1000; round++) {
@@ -123,15 +117,14 @@ TEST(ClusterCodec, Compressed1RoundTripsVertices)
 }
 
 // The largest float, almost 2^128, is 8,388,607 spacings of 2^105, plus half a spacing.
-TEST(ClusterCodec, LargestFloatsStayFinite)
-{
+TEST(ClusterCodec, LargestFloatsStayFinite) {
   Random random(183);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   for (int sign : {1, -1}) {
     Grid grid(4, 4);
     for (Vertex& v : grid.vertices)
-      for (float& x : v) x = std::ldexp(float(sign*(8388607 - int(random.below(65535)))), 105);
-    grid.at(0, 0)[0] = std::ldexp(float(sign*8388607), 105);
+      for (float& x : v) x = std::ldexp(float(sign * (8388607 - int(random.below(65535)))), 105);
+    grid.at(0, 0)[0] = std::ldexp(float(sign * 8388607), 105);
     const QuadTriangles triangles(grid.points(), grid.width, {0, 0, 4, 4}, false);
     ASSERT_TRUE(place(grid, *points));
     ASSERT_EQ(points->exponent, 232u);
@@ -147,11 +140,11 @@ typedef std::array<Vertex, 3> Triangle;
 Triangle turned(const Triangle& t) { return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}}); }
 
 // Triangles without a missing vertex that are not degenerate.
-std::multiset<Triangle> trianglesOf(Grid& grid)
-{
+std::multiset<Triangle> trianglesOf(Grid& grid) {
   std::multiset<Triangle> all;
   const auto add = [&](const Vertex& a, const Vertex& b, const Vertex& c) {
-    for (const Vertex& v : {a, b, c}) if (!std::isfinite(v[0])) return;
+    for (const Vertex& v : {a, b, c})
+      if (!std::isfinite(v[0])) return;
     if (a != b && b != c && c != a) all.insert(turned({a, b, c}));
   };
   for (unsigned y = 0; y + 1 < grid.height; y++)
@@ -162,8 +155,7 @@ std::multiset<Triangle> trianglesOf(Grid& grid)
   return all;
 }
 
-TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
-{
+TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps) {
   Random random(183);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
@@ -175,7 +167,7 @@ TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
     for (unsigned y = 0; y < grid.height; y++)
       for (unsigned x = 0; x < grid.width; x++) {
         if (random.chance(missing)) grid.at(x, y)[0] = NAN;
-        else if (x > 0 && random.chance(0.3*missing)) grid.at(x, y) = grid.at(x - 1, y); // stitched
+        else if (x > 0 && random.chance(0.3 * missing)) grid.at(x, y) = grid.at(x - 1, y); // stitched
       }
     const QuadRectangle all = {0, 0, grid.width - 1, grid.height - 1};
     const QuadTriangles triangles(grid.points(), grid.width, all, true);
@@ -202,11 +194,10 @@ TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
 }
 
 // Bits per index of the strip of a whole grid, in a block with small offsets. 6 if it does not fit even then.
-unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
-{
+unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY) {
   Grid grid(quadsX, quadsY);
   for (unsigned i = 0; i < grid.vertices.size(); i++)
-    grid.vertices[i] = {float(i % grid.width), float(i/grid.width), 0};
+    grid.vertices[i] = {float(i % grid.width), float(i / grid.width), 0};
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
   if (!place(grid, *points) ||
@@ -216,10 +207,9 @@ unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
 }
 
 // True if one strip of all quads, which visits each inner vertex twice, fits into a block.
-bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
-{
-  const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1),
-                 reused = (grid.width - 2)*(grid.height - 2);
+bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex) {
+  const unsigned vertices = grid.width * grid.height, triangles = 2 * (grid.width - 1) * (grid.height - 1),
+                 reused = (grid.width - 2) * (grid.height - 2);
   unsigned bits = 0;
   for (int k = 0; k < 3; k++) {
     const auto extent = std::minmax_element(grid.vertices.begin(), grid.vertices.end(),
@@ -229,14 +219,13 @@ bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
     while (steps >> b) b++;
     bits += b;
   }
-  bits = (bits + 3)/4*4;
-  const unsigned front = (vertices*bits + 7)/8;
+  bits = (bits + 3) / 4 * 4;
+  const unsigned front = (vertices * bits + 7) / 8;
   return vertices <= 64 && triangles <= 64 && front <= 96 &&
-         8*(20 + front) + reused*bitsPerIndex + (triangles - 1) + 2*(triangles - 1) <= 8*128;
+         8 * (20 + front) + reused * bitsPerIndex + (triangles - 1) + 2 * (triangles - 1) <= 8 * 128;
 }
 
-TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize)
-{
+TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize) {
   Random random(185);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
@@ -262,8 +251,7 @@ TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize)
   EXPECT_GT(refused, 500u);
 }
 
-TEST(ClusterCodec, DgfRefusesTrianglesThatAreTooLarge)
-{
+TEST(ClusterCodec, DgfRefusesTrianglesThatAreTooLarge) {
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
   Grid grid(1, 1);
@@ -274,8 +262,7 @@ TEST(ClusterCodec, DgfRefusesTrianglesThatAreTooLarge)
   }
 }
 
-TEST(ClusterCodec, TrianglesReportTheirIndexInPart)
-{
+TEST(ClusterCodec, TrianglesReportTheirIndexInPart) {
   Random random(186);
   for (int round = 0; round < 500; round++) {
     Grid grid(9 + random.below(20), 9 + random.below(20));
@@ -286,22 +273,21 @@ TEST(ClusterCodec, TrianglesReportTheirIndexInPart)
       const QuadTriangles triangles(grid.points(), grid.width, of, isStrip);
       std::set<uint32_t> seen;
       for (uint32_t t = 0; t < triangles.numTriangles; t++) {
-        const uint32_t id = triangles.triangles[t], x = id/2 % (grid.width - 1), y = id/2/(grid.width - 1);
+        const uint32_t id = triangles.triangles[t], x = id / 2 % (grid.width - 1), y = id / 2 / (grid.width - 1);
         ASSERT_TRUE(seen.insert(id).second);
         ASSERT_TRUE(x >= of.x && x < of.x + width && y >= of.y && y < of.y + height);
         const Triangle expected = id % 2 ? Triangle{grid.at(x, y + 1), grid.at(x + 1, y), grid.at(x + 1, y + 1)}
                                          : Triangle{grid.at(x, y), grid.at(x + 1, y), grid.at(x, y + 1)};
         for (int c = 0; c < 3; c++) {
           const uint32_t v = triangles.vertices[triangles.indices[t][c]];
-          ASSERT_EQ(grid.at(of.x + v % (width + 1), of.y + v/(width + 1)), expected[c]);
+          ASSERT_EQ(grid.at(of.x + v % (width + 1), of.y + v / (width + 1)), expected[c]);
         }
       }
     }
   }
 }
 
-TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
-{
+TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit) {
   Random random(184);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
@@ -309,20 +295,21 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
     Grid grid(1 + random.below(16), 1 + random.below(16));
     grid.fill(random, 2, -12345, random.below(17));
     const bool hasGaps = random.chance(0.2);
-    if (hasGaps) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // many quads without triangles
+    if (hasGaps)
+      for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // many quads without triangles
     ASSERT_TRUE(place(grid, *points));
     const dgf::Tiling tiling(*points, grid.width - 1, grid.height - 1);
     ASSERT_TRUE(tiling.isPossible);
-    std::vector<unsigned> covered((grid.width - 1)*(grid.height - 1));
+    std::vector<unsigned> covered((grid.width - 1) * (grid.height - 1));
     tiling.forEach([&](uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
       for (uint32_t j = 0; j < height; j++)
-        for (uint32_t i = 0; i < width; i++) covered.at((y + j)*(grid.width - 1) + x + i)++;
-      ASSERT_LE((width + 1)*(height + 1), 64u);
+        for (uint32_t i = 0; i < width; i++) covered.at((y + j) * (grid.width - 1) + x + i)++;
+      ASSERT_LE((width + 1) * (height + 1), 64u);
       QuadTriangles triangles(grid.points(), grid.width, {x, y, width, height}, true);
       if (hasGaps || !triangles.isComplete) return;
       for (uint32_t i = 0; i < triangles.numVertices; i++)
-        triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x +
-                                triangles.vertices[i] % (width + 1);
+        triangles.vertices[i] =
+            (y + triangles.vertices[i] / (width + 1)) * grid.width + x + triangles.vertices[i] % (width + 1);
       ASSERT_TRUE(block->write(triangles, *points, 0)) << width << " x " << height;
     });
     ASSERT_EQ(std::count(covered.begin(), covered.end(), 1u), long(covered.size()));
@@ -330,18 +317,17 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
 }
 
 // Two adjacent quads, whose bytes clusters.md lists.
-TEST(ClusterCodec, BytesMatchAnnotatedClusters)
-{
+TEST(ClusterCodec, BytesMatchAnnotatedClusters) {
   Grid grid(2, 1);
   for (unsigned y = 0; y < 2; y++)
-    for (unsigned x = 0; x < 3; x++) grid.at(x, y) = {100.0f + 8.0f*float(x), 16.0f*float(y), float(x*x) - 3.0f};
+    for (unsigned x = 0; x < 3; x++) grid.at(x, y) = {100.0f + 8.0f * float(x), 16.0f * float(y), float(x * x) - 3.0f};
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   ASSERT_TRUE(place(grid, *points));
   const QuadRectangle all = {0, 0, 2, 1};
   const QuadTriangles rows(grid.points(), grid.width, all, false);
   LatticeSpan span;
   for (unsigned i = 0; i < rows.numVertices; i++) span.add(points->at[rows.vertices[i]]);
-  std::vector<uint32_t> data(maxCompressed1Bytes(81)/4 + 1);
+  std::vector<uint32_t> data(maxCompressed1Bytes(81) / 4 + 1);
   const size_t bytes = writeCompressed1(*points, span, rows.vertices, rows.numVertices, (uint8_t*)data.data());
   std::string text;
   const auto print = [&](const uint8_t* from, size_t count) {
@@ -365,5 +351,4 @@ TEST(ClusterCodec, BytesMatchAnnotatedClusters)
   EXPECT_NE(document.find(text.substr(text.size() - 5)), std::string::npos) << text;
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

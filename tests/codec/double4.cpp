@@ -13,8 +13,7 @@
 #include <cstring>
 #include <limits>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using cvert::Double4;
 using cvert::Float4;
@@ -27,39 +26,35 @@ Double4 load(const Lanes& a) { return Double4::load(a); }
 
 // The bits of a NaN differ between processors.
 template<typename T>
-bool isSame(T a, T b)
-{
+bool isSame(T a, T b) {
   return (a != a && b != b) || std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
 template<typename Expected>
-void expectLanes(Double4 found, const Expected& expected, const char* what)
-{
+void expectLanes(Double4 found, const Expected& expected, const char* what) {
   Lanes lanes;
   found.store(lanes);
   for (int i = 0; i < 4; i++)
     EXPECT_TRUE(isSame(lanes[i], double(expected(i))))
-      << what << ", lane " << i << ": " << lanes[i] << ", not " << expected(i);
+        << what << ", lane " << i << ": " << lanes[i] << ", not " << expected(i);
 }
 
 template<typename Expected>
-uint32_t bitsWhere(const Expected& isTrue)
-{
+uint32_t bitsWhere(const Expected& isTrue) {
   uint32_t bits = 0;
   for (int i = 0; i < 4; i++) bits |= uint32_t(isTrue(i)) << i;
   return bits;
 }
 
-double oddNumber(Random& random)
-{
-  static const double special[] = {0.0, -0.0, 1.0, NAN, INFINITY, -INFINITY, 2147483647.0, 2147483647.5, 2147483648.0,
-                                   -2147483648.0, -2147483648.5, -2147483649.0, 1e300, -1e300, 0.5, -0.5};
-  if (random.chance(0.3)) return special[random.below(sizeof(special)/sizeof(*special))];
-  return random.normal()*std::exp2(random.uniform(-40, 40));
+double oddNumber(Random& random) {
+  static const double special[] = {
+      0.0,          -0.0,          1.0,           NAN,           INFINITY, -INFINITY, 2147483647.0, 2147483647.5,
+      2147483648.0, -2147483648.0, -2147483648.5, -2147483649.0, 1e300,    -1e300,    0.5,          -0.5};
+  if (random.chance(0.3)) return special[random.below(sizeof(special) / sizeof(*special))];
+  return random.normal() * std::exp2(random.uniform(-40, 40));
 }
 
-TEST(Double4, EqualsFourDoubles)
-{
+TEST(Double4, EqualsFourDoubles) {
   Random random(71);
   for (int n = 0; n < 20000 && !testing::Test::HasFailure(); n++) {
     SCOPED_TRACE(n);
@@ -78,9 +73,9 @@ TEST(Double4, EqualsFourDoubles)
 
     expectLanes(A + B, [&](int i) { return a[i] + b[i]; }, "+");
     expectLanes(A - B, [&](int i) { return a[i] - b[i]; }, "-");
-    expectLanes(A*B, [&](int i) { return a[i]*b[i]; }, "*");
-    expectLanes(cvert::product(A, B), [&](int i) { return a[i]*b[i]; }, "product");
-    expectLanes(A/B, [&](int i) { return a[i]/b[i]; }, "/");
+    expectLanes(A * B, [&](int i) { return a[i] * b[i]; }, "*");
+    expectLanes(cvert::product(A, B), [&](int i) { return a[i] * b[i]; }, "product");
+    expectLanes(A / B, [&](int i) { return a[i] / b[i]; }, "/");
     expectLanes(cvert::min(A, B), [&](int i) { return b[i] < a[i] ? b[i] : a[i]; }, "min");
     expectLanes(cvert::max(A, B), [&](int i) { return b[i] > a[i] ? b[i] : a[i]; }, "max");
     expectLanes(cvert::abs(A), [&](int i) { return std::fabs(a[i]); }, "abs");
@@ -104,11 +99,11 @@ TEST(Double4, EqualsFourDoubles)
     cvert::toInt(A).store(whole);
     for (int i = 0; i < 4; i++)
       EXPECT_EQ(whole[i], a[i] > -2147483649.0 && a[i] < 2147483648.0 ? int(a[i]) : std::numeric_limits<int>::min())
-        << a[i];
+          << a[i];
     (mask & Int4::load(integers)).store(whole);
     for (int i = 0; i < 4; i++) EXPECT_EQ(whole[i], bits >> i & 1 ? integers[i] : 0);
 
-    EXPECT_TRUE(isSame(cvert::cross2D(A, B), a[0]*b[1] - a[1]*b[0]));
+    EXPECT_TRUE(isSame(cvert::cross2D(A, B), a[0] * b[1] - a[1] * b[0]));
     const double less[2] = {a[0] < a[2] ? a[0] : a[2], a[1] < a[3] ? a[1] : a[3]};
     const double more[2] = {a[0] > a[2] ? a[0] : a[2], a[1] > a[3] ? a[1] : a[3]};
     EXPECT_TRUE(isSame(cvert::reduceMin(A), less[0] < less[1] ? less[0] : less[1]));
@@ -116,5 +111,4 @@ TEST(Double4, EqualsFourDoubles)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -8,7 +8,10 @@
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 
 "$1" "$folder/grid.cbvh" > "$folder/output" || fail "encode_grid does not run"
 cat "$folder/output"

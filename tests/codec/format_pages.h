@@ -16,8 +16,7 @@
 
 namespace cbvh::test {
 
-inline std::string page(const std::string& name)
-{
+inline std::string page(const std::string& name) {
   std::ifstream file(FORMATS "/" + name);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   EXPECT_FALSE(text.empty()) << name;
@@ -25,23 +24,20 @@ inline std::string page(const std::string& name)
 }
 
 // Returns a section of a page, up to the next heading of its level.
-inline std::string section(const std::string& name, const std::string& heading)
-{
+inline std::string section(const std::string& name, const std::string& heading) {
   const std::string all = page(name);
   const size_t begin = all.find("\n## " + heading + "\n"), end = all.find("\n## ", begin + 1);
   EXPECT_NE(begin, std::string::npos) << name << " has no section " << heading;
   return begin == std::string::npos ? "" : all.substr(begin, end - begin);
 }
 
-struct Constant
-{
+struct Constant {
   const char* name;
   double value;
 };
 
 // The page must have a table of exactly these constants.
-inline void expectConstants(const std::string& name, const std::vector<Constant>& constants)
-{
+inline void expectConstants(const std::string& name, const std::vector<Constant>& constants) {
   std::ostringstream table;
   table << "| constant | value |\n|:--|--:|\n";
   for (const Constant& constant : constants) table << "| " << constant.name << " | " << constant.value << " |\n";
@@ -51,11 +47,10 @@ inline void expectConstants(const std::string& name, const std::vector<Constant>
 
 // Rows "| offset | type | `field` | meaning |" of a section must have these fields, consecutively from begin to end.
 inline void expectRows(const std::string& name, const std::string& heading,
-                       const std::map<std::string, size_t>& offsetOf, size_t begin, size_t end)
-{
-  const std::map<std::string, size_t> bytesOf = {
-    {"float", 4}, {"float[3]", 12}, {"float[3][4]", 48}, {"uint32", 4}, {"uint32[2]", 8}, {"uint16[4]", 8},
-    {"uint16[4][3]", 24}, {"int8[8]", 8}, {"uint8[16]", 16}};
+                       const std::map<std::string, size_t>& offsetOf, size_t begin, size_t end) {
+  const std::map<std::string, size_t> bytesOf = {{"float", 4},         {"float[3]", 12}, {"float[3][4]", 48},
+                                                 {"uint32", 4},        {"uint32[2]", 8}, {"uint16[4]", 8},
+                                                 {"uint16[4][3]", 24}, {"int8[8]", 8},   {"uint8[16]", 16}};
   const std::string text = section(name, heading);
   const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
   size_t rows = 0, at = begin;
@@ -73,8 +68,7 @@ inline void expectRows(const std::string& name, const std::string& heading,
 
 // Returns the bytes of an annotated block, from rows "| offset | `bytes` | meaning |" of its section. Offsets must be
 // consecutive.
-inline std::vector<uint8_t> annotatedBytes(const std::string& name, const std::string& heading = "Annotated block")
-{
+inline std::vector<uint8_t> annotatedBytes(const std::string& name, const std::string& heading = "Annotated block") {
   std::istringstream lines(section(name, heading));
   std::vector<uint8_t> bytes;
   for (std::string line; std::getline(lines, line);) {
@@ -88,8 +82,7 @@ inline std::vector<uint8_t> annotatedBytes(const std::string& name, const std::s
   return bytes;
 }
 
-inline std::string wordsOf(const std::vector<uint8_t>& bytes)
-{
+inline std::string wordsOf(const std::vector<uint8_t>& bytes) {
   std::ostringstream text;
   for (size_t i = 0; i < bytes.size(); i++) {
     char byte[4];
@@ -101,8 +94,7 @@ inline std::string wordsOf(const std::vector<uint8_t>& bytes)
 }
 
 inline void expectAnnotatedBytes(const void* block, size_t size, const std::string& name,
-                                 const std::string& heading = "Annotated block")
-{
+                                 const std::string& heading = "Annotated block") {
   const uint8_t* const bytes = (const uint8_t*)block;
   EXPECT_EQ(wordsOf({bytes, bytes + size}), wordsOf(annotatedBytes(name, heading)));
 }

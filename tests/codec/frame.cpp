@@ -12,73 +12,74 @@
 #include <limits>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
-struct Sheet
-{
+struct Sheet {
   std::vector<float> vertices;
   float corners[4][3];
 
   const float (*data() const)[3] { return (const float(*)[3])vertices.data(); }
-  size_t count() const { return vertices.size()/3; }
+  size_t count() const { return vertices.size() / 3; }
   bool fit(Frame& frame) const {
     std::vector<Double3> scratch(count());
     return fitFrame(corners, data(), count(), scratch.data(), frame);
   }
 };
 
-struct Placement { double scale; double position[3]; };
+struct Placement {
+  double scale;
+  double position[3];
+};
 
 // width x width vertices between four corners, with random heights along the normal; rotated, scaled and moved.
-Sheet makeSheet(Random& random, const double corners[4][3], int width, double amplitude, const Placement& at)
-{
+Sheet makeSheet(Random& random, const double corners[4][3], int width, double amplitude, const Placement& at) {
   double axis[3][3];
   for (int k = 0; k < 3; k++) axis[0][k] = random.normal();
   for (int k = 0; k < 3; k++) axis[1][k] = random.normal();
   auto normalize = [](double* a) {
-    const double l = std::sqrt(a[0]*a[0] + a[1]*a[1] + a[2]*a[2]);
+    const double l = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     for (int k = 0; k < 3; k++) a[k] /= l;
   };
   normalize(axis[0]);
-  const double d = axis[0][0]*axis[1][0] + axis[0][1]*axis[1][1] + axis[0][2]*axis[1][2];
-  for (int k = 0; k < 3; k++) axis[1][k] -= d*axis[0][k];
+  const double d = axis[0][0] * axis[1][0] + axis[0][1] * axis[1][1] + axis[0][2] * axis[1][2];
+  for (int k = 0; k < 3; k++) axis[1][k] -= d * axis[0][k];
   normalize(axis[1]);
-  for (int k = 0; k < 3; k++) axis[2][k] = axis[0][(k+1)%3]*axis[1][(k+2)%3] - axis[0][(k+2)%3]*axis[1][(k+1)%3];
+  for (int k = 0; k < 3; k++)
+    axis[2][k] = axis[0][(k + 1) % 3] * axis[1][(k + 2) % 3] - axis[0][(k + 2) % 3] * axis[1][(k + 1) % 3];
 
   Sheet sheet;
   auto place = [&](const double p[3], float out[3]) {
     for (int k = 0; k < 3; k++)
-      out[k] = float(at.position[k] + at.scale*(p[0]*axis[0][k] + p[1]*axis[1][k] + p[2]*axis[2][k]));
+      out[k] = float(at.position[k] + at.scale * (p[0] * axis[0][k] + p[1] * axis[1][k] + p[2] * axis[2][k]));
   };
   for (int c = 0; c < 4; c++) place(corners[c], sheet.corners[c]);
   for (int y = 0; y < width; y++)
     for (int x = 0; x < width; x++) {
-      const double u = double(x)/(width-1), v = double(y)/(width-1);
+      const double u = double(x) / (width - 1), v = double(y) / (width - 1);
       double p[3];
       for (int k = 0; k < 3; k++)
-        p[k] = (1-v)*((1-u)*corners[0][k] + u*corners[1][k]) + v*((1-u)*corners[2][k] + u*corners[3][k]);
-      p[2] += amplitude*random.normal();
+        p[k] =
+            (1 - v) * ((1 - u) * corners[0][k] + u * corners[1][k]) + v * ((1 - u) * corners[2][k] + u * corners[3][k]);
+      p[2] += amplitude * random.normal();
       float q[3];
       place(p, q);
-      sheet.vertices.insert(sheet.vertices.end(), q, q+3);
+      sheet.vertices.insert(sheet.vertices.end(), q, q + 3);
     }
   return sheet;
 }
 
 // The map of a frame in double precision, as specified in framed_block.md.
-void homogeneous(const Frame& frame, const double p[3], double h[4])
-{
-  h[0] = h[1] = h[2] = 0.5; h[3] = 1;
+void homogeneous(const Frame& frame, const double p[3], double h[4]) {
+  h[0] = h[1] = h[2] = 0.5;
+  h[3] = 1;
   for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k])*(p[i] - double(frame.center[i]));
+    for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k]) * (p[i] - double(frame.center[i]));
 }
 
 // Decoded planes, including the root's, keep the distance containmentSlack from the geometry (node.h).
-void expectInside(const Sheet& sheet, const Frame& frame)
-{
+void expectInside(const Sheet& sheet, const Frame& frame) {
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 4; k++) ASSERT_TRUE(std::isfinite(frame.columns[i][k]));
   for (size_t i = 0; i < sheet.count(); i++) {
@@ -92,8 +93,7 @@ void expectInside(const Sheet& sheet, const Frame& frame)
 }
 
 // The map has an inverse with W > 0 at all corners.
-void expectBounded(const Frame& frame)
-{
+void expectBounded(const Frame& frame) {
   auto row = [&](int k, double d) {
     return embree::cbvh::LinearForm{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d};
   };
@@ -102,41 +102,38 @@ void expectBounded(const Frame& frame)
     Double3 p;
     ASSERT_TRUE(unproject(map, i & 1, (i >> 1) & 1, i >> 2, p));
     const double w = map.W(p);
-    EXPECT_GT(w, 0.9/(2*maxWRatio));
-    EXPECT_LT(w, 1.1*(2*maxWRatio));
+    EXPECT_GT(w, 0.9 / (2 * maxWRatio));
+    EXPECT_LT(w, 1.1 * (2 * maxWRatio));
   }
 }
 
-void expectProperties(const Sheet& sheet, Frame& frame)
-{
+void expectProperties(const Sheet& sheet, Frame& frame) {
   ASSERT_TRUE(sheet.fit(frame));
   expectInside(sheet, frame);
   expectBounded(frame);
 }
 
-const double square[4][3] = {{0,0,0}, {1,0,0}, {0,1,0}, {1,1,0}};
-const double trapezoid[4][3] = {{0,0,0}, {1,0,0}, {0.2,0.7,0}, {0.8,0.7,0}};
+const double square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+const double trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.2, 0.7, 0}, {0.8, 0.7, 0}};
 
-std::vector<Placement> placements()
-{
+std::vector<Placement> placements() {
   std::vector<Placement> list;
   for (double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6}) list.push_back({scale, {0, 0, 0}});
   for (double scale : {1e-3, 0.1, 1.0, 1e6}) list.push_back({scale, {148376, 1234, -223423}});
-  list.push_back({1e-6, {1, -1, 1}}); // less than ten ulps wide
+  list.push_back({1e-6, {1, -1, 1}});              // less than ten ulps wide
   list.push_back({1e-6, {148376, 1234, -223423}}); // less than one ulp wide
   list.push_back({1e-3, {0, 0, 1e6}});
   return list;
 }
 
-TEST(Frame, VerticesAreInsideBoxBySlackAtAnySizeAndPosition)
-{
+TEST(Frame, VerticesAreInsideBoxBySlackAtAnySizeAndPosition) {
   Random random(21);
   for (const Placement& at : placements())
     for (int i = 0; i < 300; i++) {
       double corners[4][3];
       for (int c = 0; c < 4; c++)
         for (int k = 0; k < 3; k++)
-          corners[c][k] = i % 3 == 0 ? random.normal() : square[c][k] + (i % 3)*0.15*random.normal();
+          corners[c][k] = i % 3 == 0 ? random.normal() : square[c][k] + (i % 3) * 0.15 * random.normal();
       const double amplitude = i % 5 == 0 ? 0 : random.magnitude(1e-4, 3);
       Frame frame;
       SCOPED_TRACE(testing::Message() << "scale " << at.scale << " at " << at.position[0] << ", sheet " << i);
@@ -146,8 +143,7 @@ TEST(Frame, VerticesAreInsideBoxBySlackAtAnySizeAndPosition)
     }
 }
 
-TEST(Frame, VerticesTouchFacesOfBox)
-{
+TEST(Frame, VerticesTouchFacesOfBox) {
   Random random(22);
   for (int i = 0; i < 200; i++) {
     Frame frame;
@@ -157,26 +153,28 @@ TEST(Frame, VerticesTouchFacesOfBox)
     for (size_t v = 0; v < sheet.count(); v++) {
       double l[3];
       frame.transform(sheet.data()[v], l);
-      for (int k = 0; k < 3; k++) { lower[k] = std::min(lower[k], l[k]); upper[k] = std::max(upper[k], l[k]); }
+      for (int k = 0; k < 3; k++) {
+        lower[k] = std::min(lower[k], l[k]);
+        upper[k] = std::max(upper[k], l[k]);
+      }
     }
     for (int k = 0; k < 3; k++) {
       // the margin, doubled if rounding requires it, and the rounding of the map to floats
-      EXPECT_LT(lower[k], 4*frameMargin);
-      EXPECT_GT(upper[k], 1 - 4*frameMargin);
+      EXPECT_LT(lower[k], 4 * frameMargin);
+      EXPECT_GT(upper[k], 1 - 4 * frameMargin);
     }
   }
 }
 
 // The segment P0 to P1 of a line o + t d between t0 and t1 maps back to its parameter by t = t0 + (t1-t0) s w0/(w1
 // (1-s) + s w0), exactly except for the rounding of double, amplified by at most the extent of the map.
-TEST(Frame, StraightLinesStayStraightAndParameterMapIsExact)
-{
+TEST(Frame, StraightLinesStayStraightAndParameterMapIsExact) {
   Random random(23);
   unsigned projective = 0, curved = 0;
   for (int i = 0; i < 2000; i++) {
     double corners[4][3];
     for (int c = 0; c < 4; c++)
-      for (int k = 0; k < 3; k++) corners[c][k] = trapezoid[c][k] + 0.1*random.normal();
+      for (int k = 0; k < 3; k++) corners[c][k] = trapezoid[c][k] + 0.1 * random.normal();
     Frame frame;
     const Sheet sheet = makeSheet(random, corners, 3, 0.05, {1, {0, 0, 0}});
     ASSERT_TRUE(sheet.fit(frame));
@@ -188,16 +186,16 @@ TEST(Frame, StraightLinesStayStraightAndParameterMapIsExact)
     double h0[4], h1[4], o[3] = {a[0], a[1], a[2]}, e[3] = {b[0], b[1], b[2]};
     homogeneous(frame, o, h0);
     homogeneous(frame, e, h1);
-    curved += std::fabs(h0[3]/h1[3] - 1) > 0.1;
+    curved += std::fabs(h0[3] / h1[3] - 1) > 0.1;
     const double t0 = 3, t1 = 7;
     for (double s : {0.0, 0.1, 0.35, 0.5, 0.9, 1.0}) {
-      const double tau = s*h0[3]/(h1[3]*(1-s) + s*h0[3]), t = t0 + tau*(t1-t0);
+      const double tau = s * h0[3] / (h1[3] * (1 - s) + s * h0[3]), t = t0 + tau * (t1 - t0);
       double p[3], h[4];
-      for (int k = 0; k < 3; k++) p[k] = o[k] + (t-t0)/(t1-t0)*(e[k]-o[k]);
+      for (int k = 0; k < 3; k++) p[k] = o[k] + (t - t0) / (t1 - t0) * (e[k] - o[k]);
       homogeneous(frame, p, h);
       for (int k = 0; k < 3; k++) {
-        const double p0 = h0[k]/h0[3], p1 = h1[k]/h1[3];
-        ASSERT_NEAR(h[k]/h[3], p0 + s*(p1-p0), 1e-13) << "line " << i << ", s " << s;
+        const double p0 = h0[k] / h0[3], p1 = h1[k] / h1[3];
+        ASSERT_NEAR(h[k] / h[3], p0 + s * (p1 - p0), 1e-13) << "line " << i << ", s " << s;
       }
     }
   }
@@ -206,8 +204,7 @@ TEST(Frame, StraightLinesStayStraightAndParameterMapIsExact)
 }
 
 // Within the margin and the rounding of the map's entries to floats.
-TEST(Frame, CornersOfTrapezoidMapToUnitSquare)
-{
+TEST(Frame, CornersOfTrapezoidMapToUnitSquare) {
   Random random(24);
   for (int i = 0; i < 200; i++) {
     Frame frame;
@@ -217,45 +214,46 @@ TEST(Frame, CornersOfTrapezoidMapToUnitSquare)
     for (int c = 0; c < 4; c++) {
       double l[3];
       frame.transform(sheet.data()[c], l);
-      EXPECT_NEAR(l[0], c & 1, 4*frameMargin);
-      EXPECT_NEAR(l[1], c >> 1, 4*frameMargin);
+      EXPECT_NEAR(l[0], c & 1, 4 * frameMargin);
+      EXPECT_NEAR(l[1], c >> 1, 4 * frameMargin);
     }
   }
 }
 
 // x is along u, y along v, z along the normal of the quad's winding.
-TEST(Frame, IsRightHanded)
-{
+TEST(Frame, IsRightHanded) {
   Random random(25);
   for (int i = 0; i < 200; i++) {
     double corners[4][3];
     for (int c = 0; c < 4; c++)
-      for (int k = 0; k < 3; k++) corners[c][k] = square[c][k] + 0.05*random.normal();
+      for (int k = 0; k < 3; k++) corners[c][k] = square[c][k] + 0.05 * random.normal();
     Frame frame;
     const Sheet sheet = makeSheet(random, corners, 3, 0.1, {1, {0, 0, 0}});
     ASSERT_TRUE(sheet.fit(frame));
-    const float (*m)[4] = frame.columns;
-    const double det = double(m[0][0])*(double(m[1][1])*m[2][2] - double(m[1][2])*m[2][1])
-                     - double(m[1][0])*(double(m[0][1])*m[2][2] - double(m[0][2])*m[2][1])
-                     + double(m[2][0])*(double(m[0][1])*m[1][2] - double(m[0][2])*m[1][1]);
+    const float(*m)[4] = frame.columns;
+    const double det = double(m[0][0]) * (double(m[1][1]) * m[2][2] - double(m[1][2]) * m[2][1]) -
+                       double(m[1][0]) * (double(m[0][1]) * m[2][2] - double(m[0][2]) * m[2][1]) +
+                       double(m[2][0]) * (double(m[0][1]) * m[1][2] - double(m[0][2]) * m[1][1]);
     EXPECT_GT(det, 0);
   }
 }
 
-struct Bad { const char* name; double corners[4][3]; };
+struct Bad {
+  const char* name;
+  double corners[4][3];
+};
 const Bad bad[] = {
-  {"folded",         {{0,0,0}, {1,0,0}, {1,1,0}, {0,1,0}}},
-  {"dented",         {{0,0,0}, {1,0,0}, {0,1,0}, {0.2,0.2,0}}},
-  {"collapsed edge", {{0,0,0}, {1,0,0}, {0.5,1,0}, {0.5,1,0}}},
-  {"triangle",       {{0,0,0}, {1,0,0}, {0,1,0}, {0.5,0.5,0}}},
-  {"zero area",      {{0,0,0}, {1,0,0}, {0,0,0}, {1,0,0}}},
-  {"line",           {{0,0,0}, {1,0,0}, {2,0,0}, {3,0,0}}},
-  {"point",          {{0,0,0}, {0,0,0}, {0,0,0}, {0,0,0}}},
-  {"W varies",       {{0,0,0}, {1,0,0}, {0.45,1,0}, {0.55,1,0}}},
+    {"folded", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+    {"dented", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0}}},
+    {"collapsed edge", {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 1, 0}}},
+    {"triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 0}}},
+    {"zero area", {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}}},
+    {"line", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}},
+    {"point", {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}},
+    {"W varies", {{0, 0, 0}, {1, 0, 0}, {0.45, 1, 0}, {0.55, 1, 0}}},
 };
 
-TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned)
-{
+TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned) {
   Random random(26);
   for (const Bad& b : bad)
     for (double amplitude : {0.0, 0.3})
@@ -274,14 +272,17 @@ TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned)
 }
 
 // No axis may be so steep that a box is thinner than the resolution of its position.
-TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
-{
+TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps) {
   Random random(27);
   const double aspect[] = {1e-2, 1e-4, 1e-6, 1e-9};
   for (double a : aspect)
     for (const Placement& at : placements()) {
       double needle[4][3];
-      for (int c = 0; c < 4; c++) { needle[c][0] = c & 1; needle[c][1] = a*(c >> 1); needle[c][2] = 0; }
+      for (int c = 0; c < 4; c++) {
+        needle[c][0] = c & 1;
+        needle[c][1] = a * (c >> 1);
+        needle[c][2] = 0;
+      }
       for (const Sheet& sheet : {makeSheet(random, needle, 5, 0, at), makeSheet(random, needle, 5, a, at),
                                  makeSheet(random, square, 5, a, at)}) {
         SCOPED_TRACE(testing::Message() << "aspect " << a << ", scale " << at.scale << " at " << at.position[0]);
@@ -293,8 +294,7 @@ TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
 }
 
 // Needles thinner than about 2^-14 of their length should not be compressed. Flat sheets are always compressed.
-TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot)
-{
+TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot) {
   Random random(29);
   for (double scale : {1e-3, 1.0, 1e3})
     for (int along : {0, 1})
@@ -302,7 +302,7 @@ TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot)
         double needle[4][3];
         for (int c = 0; c < 4; c++) {
           needle[c][along] = along ? c >> 1 : c & 1;
-          needle[c][1-along] = a*(along ? c & 1 : c >> 1);
+          needle[c][1 - along] = a * (along ? c & 1 : c >> 1);
           needle[c][2] = 0;
         }
         Frame frame;
@@ -314,8 +314,7 @@ TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot)
       }
 }
 
-TEST(Frame, CoincidentVerticesGetBoxAroundPoint)
-{
+TEST(Frame, CoincidentVerticesGetBoxAroundPoint) {
   for (float x : {0.0f, 1e-6f, 1.0f, 148376.0f, 1e6f}) {
     Sheet sheet;
     for (int i = 0; i < 9; i++)
@@ -330,8 +329,7 @@ TEST(Frame, CoincidentVerticesGetBoxAroundPoint)
 }
 
 // Up to the largest float. Differences exceed the range of float, and maps are denormal.
-TEST(Frame, SheetsWithLargestCoordinatesHaveFrames)
-{
+TEST(Frame, SheetsWithLargestCoordinatesHaveFrames) {
   Random random(28);
   for (double largest : {double(maxCoordinate), 1e30, double(std::numeric_limits<float>::max())})
     for (int i = 0; i < 100; i++) {
@@ -341,7 +339,7 @@ TEST(Frame, SheetsWithLargestCoordinatesHaveFrames)
       double corners[4][3];
       for (int c = 0; c < 4; c++)
         for (int k = 0; k < 3; k++)
-          corners[c][k] = k == 2 ? 0 : side*((c >> k) & 1 ? 1 : -1)*(i % 2 ? random.uniform(0.7, 1) : 1);
+          corners[c][k] = k == 2 ? 0 : side * ((c >> k) & 1 ? 1 : -1) * (i % 2 ? random.uniform(0.7, 1) : 1);
       Sheet sheet = makeSheet(random, corners, 2 + i % 4, 0, {largest, {0, 0, 0}});
       Frame frame;
       expectProperties(sheet, frame);
@@ -357,5 +355,4 @@ TEST(Frame, SheetsWithLargestCoordinatesHaveFrames)
   expectProperties(sheet, frame);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

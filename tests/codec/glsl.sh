@@ -12,7 +12,10 @@ glslc=$1
 kernels=$2
 shift 2
 
-command -v "$glslc" > /dev/null || { echo "skipped: $glslc has been removed since the build was configured"; exit 77; }
+command -v "$glslc" > /dev/null || {
+  echo "skipped: $glslc has been removed since the build was configured"
+  exit 77
+}
 
 failed=0
 fail() {
@@ -29,7 +32,7 @@ compile() {
 count=0
 for header in $(cd "$kernels" && grep -rlE '^C(VERT|BVH)_BEGIN' cvert cbvh | sort); do
   count=$((count + 1))
-  compile "$header" <<END
+  compile "$header" << END
 #version 460
 #include "$header"
 #include "$header"

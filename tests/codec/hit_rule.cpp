@@ -16,37 +16,32 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
 typedef std::map<std::string, std::string> Cells; // by the name of the column
 
-std::string trim(const std::string& text)
-{
+std::string trim(const std::string& text) {
   const size_t begin = text.find_first_not_of(' ');
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
-std::vector<std::string> cellsOf(const std::string& line)
-{
+std::vector<std::string> cellsOf(const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream row(line.substr(1));
   for (std::string cell; std::getline(row, cell, '|');) cells.push_back(trim(cell));
   return cells;
 }
 
-struct Table
-{
+struct Table {
   std::vector<std::string> columns;
   size_t conditions = 0; // number of leading columns that are conditions
   std::vector<Cells> rows;
   std::vector<size_t> used; // how often each row applied
 
   // Reads the only table under a heading. Outcomes begin at the column `first`.
-  Table(const std::string& heading, const std::string& first)
-  {
+  Table(const std::string& heading, const std::string& first) {
     std::ifstream file(FORMATS "/framed_hits.md");
     bool inside = false;
     for (std::string line; std::getline(file, line);) {
@@ -69,8 +64,7 @@ struct Table
   }
 
   // Returns the first matching row. holds: whether a condition is true.
-  const Cells* find(const std::function<bool(const std::string& column, const std::string& cell)>& holds)
-  {
+  const Cells* find(const std::function<bool(const std::string& column, const std::string& cell)>& holds) {
     for (size_t r = 0; r < rows.size(); r++) {
       bool applies = true;
       for (size_t i = 0; i < conditions && applies; i++) {
@@ -85,20 +79,17 @@ struct Table
     return nullptr;
   }
 
-  void expectEveryRowUsed() const
-  {
+  void expectEveryRowUsed() const {
     for (size_t r = 0; r < rows.size(); r++) EXPECT_GT(used[r], 0u) << "row " << r + 1 << " never applies";
   }
 };
 
 // Values that cells may refer to, by their names in framed_hits.md.
-struct Facts
-{
-  std::map<std::string, bool> yes;         // columns of "yes" and "no"
-  std::map<std::string, uint32_t> sides;   // columns "side", "enter", "leave", "box"
+struct Facts {
+  std::map<std::string, bool> yes;       // columns of "yes" and "no"
+  std::map<std::string, uint32_t> sides; // columns "side", "enter", "leave", "box"
 
-  bool holds(const std::string& column, const std::string& cell) const
-  {
+  bool holds(const std::string& column, const std::string& cell) const {
     if (cell == "yes" || cell == "no") return yes.at(column) == (cell == "yes");
     const uint32_t side = sides.at(column);
     if (cell == "unknown") return side == sideUnknown;
@@ -107,24 +98,21 @@ struct Facts
     return side == sides.at(cell);
   }
 
-  bool flag(const std::string& cell, const std::string& column) const
-  {
+  bool flag(const std::string& cell, const std::string& column) const {
     if (cell == "yes" || cell == "no") return cell == "yes";
     return yes.at(cell == "kept" ? column : cell);
   }
 
-  uint32_t side(const std::string& cell) const
-  {
+  uint32_t side(const std::string& cell) const {
     if (cell == "unknown") return sideUnknown;
     return sides.at(cell == "kept" ? "side" : cell);
   }
 };
 
-const std::map<std::string, uint32_t> hits = {
-  {"none", hitNone}, {"box", hitBox}, {"step", hitStep}, {"root", hitRoot}, {"lip", hitLip}, {"exit", hitExit}};
+const std::map<std::string, uint32_t> hits = {{"none", hitNone}, {"box", hitBox}, {"step", hitStep},
+                                              {"root", hitRoot}, {"lip", hitLip}, {"exit", hitExit}};
 
-void expectState(const Facts& facts, const Cells& row, const WalkState& next)
-{
+void expectState(const Facts& facts, const Cells& row, const WalkState& next) {
   EXPECT_EQ(next.side, facts.side(row.at("next side")));
   EXPECT_EQ(next.pending, facts.flag(row.at("next pending"), "pending"));
   EXPECT_EQ(next.fromSurface, facts.flag(row.at("next fromSurface"), "fromSurface"));
@@ -132,17 +120,13 @@ void expectState(const Facts& facts, const Cells& row, const WalkState& next)
 }
 
 // Without a hit, `from` has no meaning.
-void expectResult(const Facts& facts, const Cells& row, const HitResult& result)
-{
+void expectResult(const Facts& facts, const Cells& row, const HitResult& result) {
   EXPECT_EQ(result.hit, hits.at(row.at("hit")));
-  if (row.at("hit") != "none") {
-    EXPECT_EQ(result.from, facts.side(row.at("from")));
-  }
+  if (row.at("hit") != "none") { EXPECT_EQ(result.from, facts.side(row.at("from"))); }
   expectState(facts, row, result.next);
 }
 
-std::vector<WalkState> allStates()
-{
+std::vector<WalkState> allStates() {
   std::vector<WalkState> states;
   for (uint32_t side : {sideUnknown, sideBelow, sideAbove})
     for (int bits = 0; bits < 8; bits++) {
@@ -156,8 +140,7 @@ std::vector<WalkState> allStates()
   return states;
 }
 
-std::vector<LeafEvent> allEvents()
-{
+std::vector<LeafEvent> allEvents() {
   std::vector<LeafEvent> events;
   for (uint32_t enter : {sideBelow, sideAbove})
     for (uint32_t leave : {sideBelow, sideAbove})
@@ -177,25 +160,27 @@ std::vector<LeafEvent> allEvents()
   return events;
 }
 
-Facts factsOf(const WalkState& state)
-{
+Facts factsOf(const WalkState& state) {
   Facts facts;
   facts.yes = {{"pending", state.pending}, {"fromSurface", state.fromSurface}, {"found", state.found}};
   facts.sides = {{"side", state.side}};
   return facts;
 }
 
-Facts factsOf(const WalkState& state, const LeafEvent& e)
-{
+Facts factsOf(const WalkState& state, const LeafEvent& e) {
   Facts facts = factsOf(state);
-  facts.yes.insert({{"changes", e.changes}, {"nearEntry", e.nearEntry}, {"near", e.near}, {"started", e.started},
-                    {"ended", e.ended}, {"solid", e.solid}, {"empty", e.empty}});
+  facts.yes.insert({{"changes", e.changes},
+                    {"nearEntry", e.nearEntry},
+                    {"near", e.near},
+                    {"started", e.started},
+                    {"ended", e.ended},
+                    {"solid", e.solid},
+                    {"empty", e.empty}});
   facts.sides.insert({{"enter", e.enter}, {"leave", e.leave}});
   return facts;
 }
 
-std::string describe(const Facts& facts)
-{
+std::string describe(const Facts& facts) {
   static const char* const names[] = {"unknown", "below", "above"};
   std::string text;
   for (const auto& [name, side] : facts.sides) text += name + " " + names[side] + ", ";
@@ -204,20 +189,18 @@ std::string describe(const Facts& facts)
 }
 
 template<typename Check>
-void withRow(Table& table, const Facts& facts, const Check& check)
-{
+void withRow(Table& table, const Facts& facts, const Check& check) {
   SCOPED_TRACE(describe(facts));
-  const Cells* row = table.find(
-    [&](const std::string& column, const std::string& cell) { return facts.holds(column, cell); });
+  const Cells* row =
+      table.find([&](const std::string& column, const std::string& cell) { return facts.holds(column, cell); });
   ASSERT_NE(row, nullptr) << "no row applies";
   SCOPED_TRACE(testing::Message() << "row " << row - table.rows.data() + 1);
   check(*row);
 }
 
-TEST(HitRule, CrossingALeafMatchesTables)
-{
+TEST(HitRule, CrossingALeafMatchesTables) {
   Table noPatch("A leaf that is solid or empty", "hit"), before("A leaf with a patch, before a hit was found", "hit"),
-        after("A leaf with a patch, after a hit was found", "hit");
+      after("A leaf with a patch, after a hit was found", "hit");
   for (const WalkState& state : allStates())
     for (const LeafEvent& event : allEvents()) {
       Table& table = event.solid || event.empty ? noPatch : state.found ? after : before;
@@ -228,19 +211,17 @@ TEST(HitRule, CrossingALeafMatchesTables)
   for (const Table* table : {&noPatch, &before, &after}) table->expectEveryRowUsed();
 }
 
-TEST(HitRule, PassedBoxesAreWantedAsInTable)
-{
+TEST(HitRule, PassedBoxesAreWantedAsInTable) {
   Table table("Is a passed box wanted?", "wanted");
   for (const WalkState& state : allStates()) {
     const Facts facts = factsOf(state);
-    withRow(table, facts, [&](const Cells& row) { EXPECT_EQ(needsPassedBoxes(state), facts.flag(row.at("wanted"),
-      "")); });
+    withRow(table, facts,
+            [&](const Cells& row) { EXPECT_EQ(needsPassedBoxes(state), facts.flag(row.at("wanted"), "")); });
   }
   table.expectEveryRowUsed();
 }
 
-TEST(HitRule, PassingABoxMatchesTable)
-{
+TEST(HitRule, PassingABoxMatchesTable) {
   Table table("A box that is passed", "hit");
   for (const WalkState& state : allStates())
     for (bool above : {false, true}) {
@@ -251,8 +232,7 @@ TEST(HitRule, PassingABoxMatchesTable)
   table.expectEveryRowUsed();
 }
 
-TEST(HitRule, AcceptedHitsChangeStateAsInTable)
-{
+TEST(HitRule, AcceptedHitsChangeStateAsInTable) {
   Table table("After a hit was accepted", "next side");
   for (const WalkState& state : allStates()) {
     const Facts facts = factsOf(state);
@@ -262,8 +242,7 @@ TEST(HitRule, AcceptedHitsChangeStateAsInTable)
 }
 
 // "at first" in the table of the ray's state.
-TEST(HitRule, InitialStateMatchesPage)
-{
+TEST(HitRule, InitialStateMatchesPage) {
   Table table("What does the ray remember?", "at first");
   const WalkState state = startOfWalk();
   const Facts facts = factsOf(state);
@@ -278,5 +257,4 @@ TEST(HitRule, InitialStateMatchesPage)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

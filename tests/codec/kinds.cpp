@@ -10,18 +10,22 @@
 #include <set>
 #include <string>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
-TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
-{
-  const struct { Kind kind; uint32_t number; int compression; const char *key, *name; bool hasFrame; } expected[] = {
-    {Kind::CGRID, 0, 2, "grid", "cGRID", true},
-    {Kind::CVOXEL, 1, 3, "voxel", "cVOXEL", true},
-    {Kind::CLEAF, 2, 4, "leaf", "cLEAF", true},
-    {Kind::CVERT, 3, 5, "vert", "cVERT", false},
+TEST(Kinds, NumbersOfBlocksAndApiAreFixed) {
+  const struct {
+    Kind kind;
+    uint32_t number;
+    int compression;
+    const char *key, *name;
+    bool hasFrame;
+  } expected[] = {
+      {Kind::CGRID, 0, 2, "grid", "cGRID", true},
+      {Kind::CVOXEL, 1, 3, "voxel", "cVOXEL", true},
+      {Kind::CLEAF, 2, 4, "leaf", "cLEAF", true},
+      {Kind::CVERT, 3, 5, "vert", "cVERT", false},
   };
   ASSERT_EQ(std::size(expected), numKinds);
   for (const auto& e : expected) {
@@ -43,8 +47,7 @@ TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
 }
 
 // Including reserved numbers, each with the smallest and the largest index.
-TEST(References, EachReferenceHasOneType)
-{
+TEST(References, EachReferenceHasOneType) {
   std::set<uint32_t> references = {emptyReference};
   size_t count = 1;
   const uint32_t indices[] = {0, 1, 12345678, (1u << 27) - 1};
@@ -73,5 +76,4 @@ TEST(References, EachReferenceHasOneType)
     EXPECT_FALSE(isRunType(type));
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -8,21 +8,18 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
-TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
-{
+TEST(KindsWithoutPaper, OnlyCvertIsAvailable) {
   ASSERT_EQ(numKinds, 1u);
   EXPECT_EQ(kindDescriptions[0].kind, Kind::CVERT);
 }
 
 // A record may name cLEAF although all blocks are cVERT, because of fallbackFaces. Reports must name the traced
 // representation, not GRID.
-TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
-{
+TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks) {
   for (uint32_t compression = RTC_COMPRESSION_CGRID; compression <= RTC_COMPRESSION_CVERT; compression++) {
     Kind kind = Kind::CGRID;
     ASSERT_TRUE(findKind(compressionOfLoaded(compression), kind)) << compression;
@@ -30,5 +27,4 @@ TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

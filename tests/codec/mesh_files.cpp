@@ -19,29 +19,25 @@
 #include <memory>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace cvert;
 
 constexpr uint32_t numSteps = 3;
 
 // A path of this process. The file is removed at the end.
-struct TemporaryFile
-{
+struct TemporaryFile {
   const std::string path = testing::TempDir() + "mesh_files." + std::to_string(::getpid()) + ".cbvh";
   ~TemporaryFile() { ::unlink(path.c_str()); }
 };
 
 // The blocks of a moving sheet, as a list.
-struct Saved
-{
+struct Saved {
   std::vector<EncodedBlock> blocks;
   FileSurface surface;
   ErrorCode readerError = ErrorCode::NONE;
 
-  Saved()
-  {
+  Saved() {
     Random random(3181);
     auto encoder = std::make_unique<MeshMotionEncoder>();
     MeshStatistics statistics;
@@ -55,31 +51,35 @@ struct Saved
     record.numTimeSteps = numSteps;
     record.begin = 0.25f;
     record.end = 0.75f;
-    for (int k = 0; k < 3; k++) { record.lower[k] = -100; record.upper[k] = 100; }
+    for (int k = 0; k < 3; k++) {
+      record.lower[k] = -100;
+      record.upper[k] = 100;
+    }
     for (const EncodedBlock& block : blocks) add(block, FILE_MOVING_MESH);
   }
 
-  void add(const EncodedBlock& block, FileChild type)
-  {
+  void add(const EncodedBlock& block, FileChild type) {
     FileEntry entry = FileEntry();
     entry.child = surface.append(type, block.words.data(), uint32_t(block.size()), offsetof(MeshHeader, surface));
     surface.tree.insert(surface.tree.end(), (const char*)&entry, (const char*)(&entry + 1));
   }
 
   // Writes and verifies a file. Returns the message of the reader's error, or "".
-  std::string write(const std::string& path)
-  {
+  std::string write(const std::string& path) {
     FileWriter writer(path);
     writer.add(surface);
     writer.commit();
-    try { File(path).verify(); }
-    catch (const Error& error) { readerError = error.code; return error.what(); }
+    try {
+      File(path).verify();
+    } catch (const Error& error) {
+      readerError = error.code;
+      return error.what();
+    }
     return "";
   }
 };
 
-TEST(MeshFiles, BlocksAreReadAsTheyWereWritten)
-{
+TEST(MeshFiles, BlocksAreReadAsTheyWereWritten) {
   const TemporaryFile temporary;
   Saved saved;
   ASSERT_GT(saved.blocks.size(), 4u);
@@ -94,7 +94,8 @@ TEST(MeshFiles, BlocksAreReadAsTheyWereWritten)
     header.surface = file.geometry(0).surface;
     EXPECT_EQ(std::memcmp(file.blocks(0) + offset, &header, sizeof(header)), 0);
     EXPECT_EQ(std::memcmp(file.blocks(0) + offset + sizeof(header), (const char*)expected.words.data() + sizeof(header),
-      expected.size() - sizeof(header)), 0);
+                          expected.size() - sizeof(header)),
+              0);
   });
   EXPECT_EQ(reason.message(), "");
   EXPECT_EQ(n, saved.blocks.size());
@@ -103,8 +104,7 @@ TEST(MeshFiles, BlocksAreReadAsTheyWereWritten)
 
 #if defined(FILE_TO_OBJ)
 // The example of the codec writes the triangles of mesh blocks at their first step.
-TEST(MeshFiles, AreWrittenAsObj)
-{
+TEST(MeshFiles, AreWrittenAsObj) {
   const TemporaryFile temporary;
   Saved saved;
   ASSERT_EQ(saved.write(temporary.path), "");
@@ -141,8 +141,7 @@ TEST(MeshFiles, AreWrittenAsObj)
 #endif
 
 // Readers before version 7 compare vertVersion, the word at 16, with 6.
-TEST(MeshFiles, OlderReadersRejectTheFileByVersion)
-{
+TEST(MeshFiles, OlderReadersRejectTheFileByVersion) {
   const TemporaryFile temporary;
   Saved saved;
   ASSERT_EQ(saved.write(temporary.path), "");
@@ -152,8 +151,7 @@ TEST(MeshFiles, OlderReadersRejectTheFileByVersion)
   EXPECT_EQ(header.vertVersion, movingMeshFormatVersion);
 }
 
-TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
-{
+TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected) {
   const TemporaryFile temporary;
   for (int change = 0; change < 4; change++) {
     Saved saved;
@@ -164,7 +162,7 @@ TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
     EncodedBlock other = saved.blocks[0];
     if (change == 3) { // the first step alone
       MeshHeader& header = *(MeshHeader*)other.words.data();
-      other.words.resize(header.motion/4);
+      other.words.resize(header.motion / 4);
       MeshHeader& still = *(MeshHeader*)other.words.data();
       still.bytes = still.motion;
       still.motion = 0;
@@ -173,8 +171,10 @@ TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
       saved.add(other, FILE_MOVING_MESH);
     }
     const std::vector<std::string> causes[] = {
-      {" " + std::to_string(numSteps) + " time steps", " " + std::to_string(numSteps + 1)}, {"time range"},
-      {"primitive", " 100"}, {"no", "steps"}};
+        {" " + std::to_string(numSteps) + " time steps", " " + std::to_string(numSteps + 1)},
+        {"time range"},
+        {"primitive", " 100"},
+        {"no", "steps"}};
     std::vector<std::string> parts = {temporary.path, "geometry 0:", "block"};
     parts.insert(parts.end(), causes[change].begin(), causes[change].end());
     EXPECT_TRUE(containsInOrder(saved.write(temporary.path), parts)) << change;
@@ -183,16 +183,17 @@ TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
 }
 
 // NaN compares neither below nor above: such bounds are not empty.
-TEST(MeshFiles, BoundsThatAreNotNumbersAreRejected)
-{
+TEST(MeshFiles, BoundsThatAreNotNumbersAreRejected) {
   const TemporaryFile temporary;
   for (int k = 0; k < 3; k++)
     for (bool isUpper : {false, true}) {
       Saved saved;
       FileGeometry& record = saved.surface.record;
       (isUpper ? record.upper : record.lower)[k] = NAN;
-      try { saved.write(temporary.path); ADD_FAILURE() << "axis " << k; }
-      catch (const Error& error) {
+      try {
+        saved.write(temporary.path);
+        ADD_FAILURE() << "axis " << k;
+      } catch (const Error& error) {
         EXPECT_EQ(error.code, ErrorCode::INVALID_OPERATION);
         EXPECT_NE(std::string(error.what()).find("bounds"), std::string::npos) << error.what();
       }
@@ -200,8 +201,7 @@ TEST(MeshFiles, BoundsThatAreNotNumbersAreRejected)
 }
 
 // The type of a child must fit the form of the tree.
-TEST(MeshFiles, StillTreesHaveNoMovingBlocks)
-{
+TEST(MeshFiles, StillTreesHaveNoMovingBlocks) {
   const TemporaryFile temporary;
   Saved saved;
   FileGeometry& record = saved.surface.record;
@@ -211,5 +211,4 @@ TEST(MeshFiles, StillTreesHaveNoMovingBlocks)
   EXPECT_EQ(saved.readerError, ErrorCode::DAMAGED);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -13,8 +13,7 @@
 
 #include <memory>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace cvert;
 
@@ -22,8 +21,7 @@ constexpr uint32_t seed = 2026;
 
 /* --- a decoder of later steps, written from the page ------------------------------------- */
 
-class PageSteps
-{
+class PageSteps {
 public:
   std::vector<std::vector<Point>> steps; // vertices of the block at each later step
   float begin, end;
@@ -31,44 +29,43 @@ public:
 
   // first: vertices at the first step. firstVertex: of each group, then the total number.
   PageSteps(const uint8_t* block, const std::vector<Point>& first, const std::vector<uint32_t>& firstVertex)
-    : data(block)
-  {
+    : data(block) {
     const size_t motion = word(28);
-    begin = real(motion); end = real(motion + 4);
+    begin = real(motion);
+    end = real(motion + 4);
     const uint32_t numSteps = word(motion + 8), table = word(motion + 12);
     const uint32_t groups = uint32_t(firstVertex.size()) - 1;
     for (uint32_t s = 1; s < numSteps; s++) {
-      const size_t at = word(table + 4*(s - 1));
+      const size_t at = word(table + 4 * (s - 1));
       const uint32_t spacings = word(at + 12), info = word(at + 64);
       const uint32_t baseBits[3] = {info >> 12 & 63, info >> 18 & 63, info >> 24 & 63};
       std::vector<std::array<int64_t, 3>> bases(groups);
-      position = 8*(at + 68 + 8*groups);
+      position = 8 * (at + 68 + 8 * groups);
       for (auto& base : bases)
         for (int k = 0; k < 3; k++) {
           base[k] = read(baseBits[k]);
           if (baseBits[k] && base[k] >> (baseBits[k] - 1) & 1) base[k] -= int64_t(1) << baseBits[k];
         }
-      position = (position + 7)/8*8;
+      position = (position + 7) / 8 * 8;
       std::vector<Point> points;
       for (uint32_t g = 0; g < groups; g++) {
-        const uint32_t record = data[at + 68 + 2*g] | data[at + 69 + 2*g] << 8;
+        const uint32_t record = data[at + 68 + 2 * g] | data[at + 69 + 2 * g] << 8;
         for (uint32_t v = firstVertex[g]; v < firstVertex[g + 1]; v++) {
           Point p;
           for (int k = 0; k < 3; k++) {
             double x[3], map[4];
             for (int i = 0; i < 3; i++) x[i] = wide(first[v][i]);
-            for (int i = 0; i < 4; i++) map[i] = wide(real(at + 16 + 16*k + 4*i));
-            const double predicted = map[0]*x[0] + map[1]*x[1] + map[2]*x[2] + map[3];
-            const uint32_t bits = record >> 5*k & 31, exponent = spacings >> 8*k & 255;
+            for (int i = 0; i < 4; i++) map[i] = wide(real(at + 16 + 16 * k + 4 * i));
+            const double predicted = map[0] * x[0] + map[1] * x[1] + map[2] * x[2] + map[3];
+            const uint32_t bits = record >> 5 * k & 31, exponent = spacings >> 8 * k & 255;
             const int64_t rest = bases[g][k] + int64_t(read(bits == 31 ? 32 : bits));
-            const float origin = real(at + 4*k);
+            const float origin = real(at + 4 * k);
             if (exponent != 0) {
               const double spacing = std::ldexp(1.0, int(exponent) - 127), limit = 1 << 30;
-              const double steps = std::floor((predicted - wide(origin))/spacing + 0.5);
+              const double steps = std::floor((predicted - wide(origin)) / spacing + 0.5);
               const double c = std::min(std::max(steps, -limit), limit);
-              p[k] = float(double(origin) + double(int32_t(int64_t(c) + rest))*spacing);
-            }
-            else {
+              p[k] = float(double(origin) + double(int32_t(int64_t(c) + rest)) * spacing);
+            } else {
               const float nearest = std::fabs(predicted) < std::ldexp(1.0, -126) ? 0.0f : float(predicted);
               p[k] = floatAt(uint32_t(orderOf(nearest) + rest));
             }
@@ -76,26 +73,32 @@ public:
           points.push_back(p);
         }
       }
-      bytes = ((position + 7)/8 + 3)/4*4;
+      bytes = ((position + 7) / 8 + 3) / 4 * 4;
       steps.push_back(points);
     }
   }
 
 private:
-  uint32_t word(size_t offset) const { uint32_t w; std::memcpy(&w, data + offset, 4); return w; }
-  float real(size_t offset) const { float f; std::memcpy(&f, data + offset, 4); return f; }
+  uint32_t word(size_t offset) const {
+    uint32_t w;
+    std::memcpy(&w, data + offset, 4);
+    return w;
+  }
+  float real(size_t offset) const {
+    float f;
+    std::memcpy(&f, data + offset, 4);
+    return f;
+  }
   static double wide(float x) { return std::fabs(double(x)) < std::ldexp(1.0, -126) ? 0.0 : double(x); }
 
   // Position of a float among all floats; 0 for 0.
-  static int64_t orderOf(float x)
-  {
+  static int64_t orderOf(float x) {
     int32_t bits;
     std::memcpy(&bits, &x, 4);
     return bits >= 0 ? int64_t(bits) : -int64_t(bits & 0x7FFFFFFF);
   }
 
-  static float floatAt(uint32_t order)
-  {
+  static float floatAt(uint32_t order) {
     const int32_t i = int32_t(order);
     const uint32_t bits = i >= 0 ? order : (0u - order) | 0x80000000u;
     float x;
@@ -103,10 +106,9 @@ private:
     return x;
   }
 
-  uint32_t read(uint32_t count)
-  {
+  uint32_t read(uint32_t count) {
     uint64_t value = 0;
-    for (uint32_t i = 0; i < count; i++, position++) value |= uint64_t(data[position/8] >> position % 8 & 1) << i;
+    for (uint32_t i = 0; i < count; i++, position++) value |= uint64_t(data[position / 8] >> position % 8 & 1) << i;
     return uint32_t(value);
   }
 
@@ -118,8 +120,7 @@ private:
 
 bool areEqual(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
 
-void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks)
-{
+void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks) {
   size_t count = 0;
   for (const EncodedBlock& encoded : blocks) {
     const MeshHeader* const block = encoded.block();
@@ -139,10 +140,10 @@ void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks)
         for (int c = 0; c < 3; c++)
           for (int k = 0; k < 3; k++)
             ASSERT_TRUE(areEqual(decoded->vertices[decoded->triangles[t][c]][k],
-              mesh.steps[step][mesh.triangles[number][c]][k]))
-              << "step " << step << ", triangle " << number << ", corner " << c << ", axis " << k << ": "
-              << decoded->vertices[decoded->triangles[t][c]][k] << " instead of "
-              << mesh.steps[step][mesh.triangles[number][c]][k];
+                                 mesh.steps[step][mesh.triangles[number][c]][k]))
+                << "step " << step << ", triangle " << number << ", corner " << c << ", axis " << k << ": "
+                << decoded->vertices[decoded->triangles[t][c]][k] << " instead of "
+                << mesh.steps[step][mesh.triangles[number][c]][k];
       }
       if (step == 0) {
         for (uint32_t v = 0; v < decoded->numVertices; v++)
@@ -151,17 +152,17 @@ void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks)
       }
       const MeshStepView later(view, step);
       for (uint32_t g = 0; g < view.groups; g++) {
-        const auto group = std::make_unique<DecodedMeshGroup>(view, g,
-          [&](uint32_t v, float out[3]) { later.vertex(v, out); });
+        const auto group =
+            std::make_unique<DecodedMeshGroup>(view, g, [&](uint32_t v, float out[3]) { later.vertex(v, out); });
         float lower[3], upper[3];
         later.groupBox(g, lower, upper);
         for (uint32_t t = 0; t < group->numTriangles; t++)
           for (int c = 0; c < 3; c++)
             for (int k = 0; k < 3; k++) {
               ASSERT_EQ(group->corners[c][k][t],
-                decoded->vertices[decoded->triangles[decoded->firstTriangle[g] + t][c]][k]);
+                        decoded->vertices[decoded->triangles[decoded->firstTriangle[g] + t][c]][k]);
               ASSERT_TRUE(lower[k] <= group->corners[c][k][t] && group->corners[c][k][t] <= upper[k])
-                << "step " << step << ", group " << g << ", axis " << k;
+                  << "step " << step << ", group " << g << ", axis " << k;
             }
       }
     }
@@ -175,8 +176,8 @@ void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks)
       for (uint32_t v = 0; v < decoded->numVertices; v++)
         for (int k = 0; k < 3; k++)
           ASSERT_TRUE(areEqual(decoded->vertices[v][k], page.steps[step - 1][v][k]))
-            << "step " << step << ", vertex " << v << " by the page: " << page.steps[step - 1][v][k] << " instead of "
-            << decoded->vertices[v][k];
+              << "step " << step << ", vertex " << v << " by the page: " << page.steps[step - 1][v][k] << " instead of "
+              << decoded->vertices[v][k];
     }
     count += encoded.stored;
   }
@@ -185,8 +186,7 @@ void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks)
 
 /* --- tests ------------------------------------------------------------------------------- */
 
-TEST(MeshMotion, SheetsRoundTripAtEveryStep)
-{
+TEST(MeshMotion, SheetsRoundTripAtEveryStep) {
   Random random(seed);
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
@@ -199,13 +199,12 @@ TEST(MeshMotion, SheetsRoundTripAtEveryStep)
   EXPECT_GT(statistics.shearedBlocks, 30u);
 }
 
-TEST(MeshMotion, DifficultMeshesRoundTrip)
-{
+TEST(MeshMotion, DifficultMeshesRoundTrip) {
   Random random(seed + 1);
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   const auto any = [&](double low, double high) {
-    return float((random.chance(0.5) ? -1 : 1)*random.magnitude(low, high));
+    return float((random.chance(0.5) ? -1 : 1) * random.magnitude(low, high));
   };
   for (const auto& range : {std::pair<double, double>{1e-45, 1.8e18}, {1e-45, 1e-36}, {1e10, 1.8e18}, {1e-3, 1e3}})
     for (uint32_t numSteps : {2u, 3u, maxTimeSteps}) {
@@ -214,8 +213,10 @@ TEST(MeshMotion, DifficultMeshesRoundTrip)
       for (uint32_t s = 0; s < numSteps; s++) {
         mesh.steps.emplace_back();
         for (uint32_t v = 0; v < numVertices; v++)
-          mesh.steps.back().push_back(random.chance(0.1) ? Point{0, -0.0f, 0} : Point{any(range.first, range.second),
-            any(range.first, range.second), any(range.first, range.second)});
+          mesh.steps.back().push_back(random.chance(0.1)
+                                          ? Point{0, -0.0f, 0}
+                                          : Point{any(range.first, range.second), any(range.first, range.second),
+                                                  any(range.first, range.second)});
       }
       while (mesh.triangles.size() < numVertices) {
         const uint32_t a = random.below(numVertices), b = random.below(numVertices), c = random.below(numVertices);
@@ -229,8 +230,7 @@ TEST(MeshMotion, DifficultMeshesRoundTrip)
 }
 
 // A flat, a straight and a collapsed mesh leave axes of the map undetermined.
-TEST(MeshMotion, FlatMeshesRoundTrip)
-{
+TEST(MeshMotion, FlatMeshesRoundTrip) {
   Random random(seed + 2);
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
@@ -244,14 +244,13 @@ TEST(MeshMotion, FlatMeshesRoundTrip)
 }
 
 // Distances from a line that are as small as rounding errors do not determine the map.
-TEST(MeshMotion, NearlyStraightMeshesDetermineOneAxis)
-{
+TEST(MeshMotion, NearlyStraightMeshesDetermineOneAxis) {
   for (int axis = 0; axis < 3; axis++) {
     float first[4][3], later[4][3], map[3][4];
     for (int v = 0; v < 4; v++)
       for (int k = 0; k < 3; k++) {
         first[v][k] = k == axis ? float(v) : v == k ? 1e-6f : 0.0f;
-        later[v][k] = k == axis ? float(2*v + 1) : 1.0f;
+        later[v][k] = k == axis ? float(2 * v + 1) : 1.0f;
       }
     AffineFit fit;
     fit.setFirst(first, 4);
@@ -262,22 +261,20 @@ TEST(MeshMotion, NearlyStraightMeshesDetermineOneAxis)
   }
 }
 
-TEST(MeshMotion, VerticesThatCoincideAtOneStepStaySeparate)
-{
+TEST(MeshMotion, VerticesThatCoincideAtOneStepStaySeparate) {
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   MovingMesh mesh;
   mesh.triangles = {{0, 1, 2}, {3, 5, 4}};
   mesh.steps = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
-    {{0.5f, 0, 0}, {1.5f, 0, 0}, {0.5f, 1, 0}, {-0.5f, 0, 0}, {-0.5f, 1, 0}, {-1.5f, 0, 0}}};
+                {{0.5f, 0, 0}, {1.5f, 0, 0}, {0.5f, 1, 0}, {-0.5f, 0, 0}, {-0.5f, 1, 0}, {-1.5f, 0, 0}}};
   const auto blocks = encode(*encoder, mesh, 16, statistics);
   expectMesh(mesh, blocks);
   ASSERT_EQ(blocks.size(), 1u);
   EXPECT_EQ(meshVertices(blocks[0].block()->counts), 6u);
 }
 
-TEST(MeshMotion, FirstStepIsStoredAsInAStillBlock)
-{
+TEST(MeshMotion, FirstStepIsStoredAsInAStillBlock) {
   Random random(seed + 3);
   auto encoder = std::make_unique<MeshMotionEncoder>();
   auto other = std::make_unique<MeshEncoder>();
@@ -295,50 +292,52 @@ TEST(MeshMotion, FirstStepIsStoredAsInAStillBlock)
     }
     alignas(16) uint8_t block[MeshEncoder::maxBytes];
     other->encodeCluster(triangles.data(), fullGroups(uint32_t(triangles.size()), 16), false, 3, block, statistics,
-      [&](size_t bytes, uint32_t, uint32_t) {
-        MeshHeader& header = *(MeshHeader*)block;
-        ASSERT_EQ(bytes, blocks[0].block()->motion);
-        header.bytes = blocks[0].block()->bytes;
-        header.motion = blocks[0].block()->motion;
-        header.counts |= 1u << 15; // version 7
-        EXPECT_EQ(std::memcmp(block, blocks[0].words.data(), bytes), 0);
-      });
+                         [&](size_t bytes, uint32_t, uint32_t) {
+                           MeshHeader& header = *(MeshHeader*)block;
+                           ASSERT_EQ(bytes, blocks[0].block()->motion);
+                           header.bytes = blocks[0].block()->bytes;
+                           header.motion = blocks[0].block()->motion;
+                           header.counts |= 1u << 15; // version 7
+                           EXPECT_EQ(std::memcmp(block, blocks[0].words.data(), bytes), 0);
+                         });
   }
 }
 
-TEST(MeshMotion, RigidMotionAndBendingNeedFewBytes)
-{
+TEST(MeshMotion, RigidMotionAndBendingNeedFewBytes) {
   Random random(seed + 4);
   auto encoder = std::make_unique<MeshMotionEncoder>();
-  struct Case { const char* name; Motion motion; int exponent; double most; }; // bytes per triangle and step
-  for (const Case& of : {Case{"still", still, -14, 1.0}, Case{"still", still, -1000, 2.0},
-         Case{"turned", turned, -14, 1.4}, Case{"turned", turned, -1000, 2.0}, Case{"bent", bent, -14, 2.6},
-         Case{"bent", bent, -1000, 4.9}}) {
+  struct Case {
+    const char* name;
+    Motion motion;
+    int exponent;
+    double most;
+  }; // bytes per triangle and step
+  for (const Case& of :
+       {Case{"still", still, -14, 1.0}, Case{"still", still, -1000, 2.0}, Case{"turned", turned, -14, 1.4},
+        Case{"turned", turned, -1000, 2.0}, Case{"bent", bent, -14, 2.6}, Case{"bent", bent, -1000, 4.9}}) {
     MeshStatistics statistics;
     const MovingMesh mesh = sheet(random, 40, 3, of.exponent, of.motion);
     expectMesh(mesh, encode(*encoder, mesh, 16, statistics));
-    const double first = double(statistics.bytes)/double(statistics.triangles),
-      later = double(statistics.stepBytes)/double(2*statistics.triangles);
+    const double first = double(statistics.bytes) / double(statistics.triangles),
+                 later = double(statistics.stepBytes) / double(2 * statistics.triangles);
     std::printf("%s, %s: %.2f bytes per triangle, %.2f per later step\n", of.name,
-      of.exponent == -1000 ? "all floats" : "lattice", first, later);
+                of.exponent == -1000 ? "all floats" : "lattice", first, later);
     EXPECT_LT(later, of.most) << of.name;
-    EXPECT_LT(later, 0.6*first) << of.name;
+    EXPECT_LT(later, 0.6 * first) << of.name;
   }
 }
 
 /* --- the page ----------------------------------------------------------------------------- */
 
 // Two triangles that turn by a right angle, except for one corner.
-MovingMesh annotatedMesh()
-{
+MovingMesh annotatedMesh() {
   MovingMesh mesh;
   mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
   mesh.steps = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 2}}, {{8, 0, 0}, {8, 4, 0}, {4, 0, 0}, {4, 5, 2}}};
   return mesh;
 }
 
-TEST(MeshMotion, EncoderWritesAnnotatedBlock)
-{
+TEST(MeshMotion, EncoderWritesAnnotatedBlock) {
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   const MovingMesh mesh = annotatedMesh();
@@ -348,16 +347,18 @@ TEST(MeshMotion, EncoderWritesAnnotatedBlock)
   expectAnnotatedBytes(blocks[0].block(), blocks[0].size(), "mesh_motion.md");
 }
 
-TEST(MeshMotion, ConstantsAndFieldsMatchPage)
-{
-  expectConstants("mesh_motion.md", {
-    {"format version, `movingMeshFormatVersion`", movingMeshFormatVersion},
-    {"bytes of the motion section", sizeof(VertMotion)}, {"bytes of the header of a step", meshStepBytes},
-    {"bytes of a record of a step", meshStepRecordBytes}, {"time steps, at most", maxTimeSteps}});
-  expectRows("mesh_motion.md", "A later step", {
-    {"origin", offsetof(MeshStep, origin)}, {"spacings", offsetof(MeshStep, spacings)},
-    {"map", offsetof(MeshStep, map)}, {"info", offsetof(MeshStep, info)}}, 0, meshStepBytes);
+TEST(MeshMotion, ConstantsAndFieldsMatchPage) {
+  expectConstants("mesh_motion.md", {{"format version, `movingMeshFormatVersion`", movingMeshFormatVersion},
+                                     {"bytes of the motion section", sizeof(VertMotion)},
+                                     {"bytes of the header of a step", meshStepBytes},
+                                     {"bytes of a record of a step", meshStepRecordBytes},
+                                     {"time steps, at most", maxTimeSteps}});
+  expectRows("mesh_motion.md", "A later step",
+             {{"origin", offsetof(MeshStep, origin)},
+              {"spacings", offsetof(MeshStep, spacings)},
+              {"map", offsetof(MeshStep, map)},
+              {"info", offsetof(MeshStep, info)}},
+             0, meshStepBytes);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

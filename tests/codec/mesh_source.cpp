@@ -17,8 +17,7 @@
 #include <set>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace cvert;
 
@@ -27,20 +26,20 @@ constexpr uint32_t seed = 42;
 typedef std::array<float, 3> Point;
 typedef std::array<uint32_t, 3> Corners;
 
-struct Mesh
-{
+struct Mesh {
   std::vector<Point> points;
   std::vector<Corners> triangles;
 
   MeshSource source() const {
-    return {(const float (*)[3])points.data(), points.size(), (const uint32_t (*)[3])triangles.data(),
-      triangles.size()};
+    return {(const float(*)[3])points.data(), points.size(), (const uint32_t(*)[3])triangles.data(), triangles.size()};
   }
-  void unweld()
-  {
+  void unweld() {
     Mesh mesh;
     for (Corners& t : triangles) {
-      for (uint32_t& v : t) { mesh.points.push_back(points[v]); v = uint32_t(mesh.points.size() - 1); }
+      for (uint32_t& v : t) {
+        mesh.points.push_back(points[v]);
+        v = uint32_t(mesh.points.size() - 1);
+      }
       mesh.triangles.push_back(t);
     }
     *this = mesh;
@@ -48,14 +47,12 @@ struct Mesh
 };
 
 // Triangles of blocks by primID, with their stored corners.
-struct Stored
-{
+struct Stored {
   MeshReport report;
   std::map<uint32_t, std::array<Point, 3>> triangles;
   size_t blocks = 0;
 
-  Stored(const Mesh& mesh, int exponent, uint32_t groupTriangles = 16)
-  {
+  Stored(const Mesh& mesh, int exponent, uint32_t groupTriangles = 16) {
     MeshSettings settings;
     settings.exponent = exponent;
     settings.groupTriangles = groupTriangles;
@@ -68,27 +65,28 @@ struct Stored
         std::array<Point, 3> corners;
         for (int c = 0; c < 3; c++)
           std::copy(decoded->vertices[decoded->triangles[t][c]], decoded->vertices[decoded->triangles[t][c]] + 3,
-          corners[c].begin());
-        ASSERT_TRUE(triangles.emplace(decoded->numbers[t],
-          corners).second) << "triangle " << decoded->numbers[t] << " is stored twice";
+                    corners[c].begin());
+        ASSERT_TRUE(triangles.emplace(decoded->numbers[t], corners).second)
+            << "triangle " << decoded->numbers[t] << " is stored twice";
       }
     });
   }
 };
 
 typedef std::array<long double, 3> Normal;
-Normal normal(const Point& a, const Point& b, const Point& c)
-{
+Normal normal(const Point& a, const Point& b, const Point& c) {
   long double e[3], f[3];
-  for (int k = 0; k < 3; k++) { e[k] = (long double)b[k] - a[k]; f[k] = (long double)c[k] - a[k]; }
-  return {e[1]*f[2] - e[2]*f[1], e[2]*f[0] - e[0]*f[2], e[0]*f[1] - e[1]*f[0]};
+  for (int k = 0; k < 3; k++) {
+    e[k] = (long double)b[k] - a[k];
+    f[k] = (long double)c[k] - a[k];
+  }
+  return {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
 }
-long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
+long double dot(const Normal& a, const Normal& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Triangles are stored, or counted as invalid or degenerate. Stored ones do not flip or degenerate. Vertices move by at
 // most half a spacing per axis, and equal positions stay equal.
-void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
-{
+void expectStored(const Mesh& mesh, const Stored& stored, int exponent) {
   const long double most = exponent == losslessExponent ? 0 : std::ldexp(0.5L, exponent);
   std::map<Point, Point> placeOf;
   size_t count = 0;
@@ -100,13 +98,13 @@ void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
     for (int c = 0; c < 3; c++) {
       own[c] = mesh.points[mesh.triangles[i][c]];
       for (float& x : own[c]) x += 0.0f; // -0
-      for (int k = 0; k < 3; k++) ASSERT_LE(std::fabs((long double)found->second[c][k] - own[c][k]), most)
-        << "triangle " << i;
+      for (int k = 0; k < 3; k++)
+        ASSERT_LE(std::fabs((long double)found->second[c][k] - own[c][k]), most) << "triangle " << i;
       const auto place = placeOf.emplace(own[c], found->second[c]).first;
       ASSERT_EQ(place->second, found->second[c]) << "a vertex of triangle " << i << " is stored at two positions";
     }
     const Normal before = normal(own[0], own[1], own[2]),
-      after = normal(found->second[0], found->second[1], found->second[2]);
+                 after = normal(found->second[0], found->second[1], found->second[2]);
     ASSERT_GT(dot(after, after), 0) << "triangle " << i << " is flat";
     ASSERT_GE(dot(before, after), 0) << "triangle " << i << " is flipped";
   }
@@ -117,25 +115,24 @@ void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
 }
 
 // A closed, noisy torus of 2 n^2 triangles.
-Mesh torus(Random& random, uint32_t n, double noise)
-{
+Mesh torus(Random& random, uint32_t n, double noise) {
   Mesh mesh;
   for (uint32_t y = 0; y < n; y++)
     for (uint32_t x = 0; x < n; x++) {
-      const double s = 2*M_PI*x/n, t = 2*M_PI*y/n, r = 3 + std::cos(t) + noise*random.normal();
-      mesh.points.push_back({float(r*std::cos(s)), float(r*std::sin(s)), float(std::sin(t) + noise*random.normal())});
+      const double s = 2 * M_PI * x / n, t = 2 * M_PI * y / n, r = 3 + std::cos(t) + noise * random.normal();
+      mesh.points.push_back(
+          {float(r * std::cos(s)), float(r * std::sin(s)), float(std::sin(t) + noise * random.normal())});
     }
   for (uint32_t y = 0; y < n; y++)
     for (uint32_t x = 0; x < n; x++) {
-      const uint32_t a = y*n + x, b = y*n + (x + 1) % n, c = (y + 1) % n*n + x, d = (y + 1) % n*n + (x + 1) % n;
+      const uint32_t a = y * n + x, b = y * n + (x + 1) % n, c = (y + 1) % n * n + x, d = (y + 1) % n * n + (x + 1) % n;
       mesh.triangles.push_back({a, b, d});
       mesh.triangles.push_back({d, c, a});
     }
   return mesh;
 }
 
-TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed)
-{
+TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed) {
   Random random(seed);
   for (int exponent : {-14, -10, -7, losslessExponent})
     for (bool welded : {true, false}) {
@@ -144,26 +141,29 @@ TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed)
       const Stored stored(mesh, exponent, welded ? 16 : 32);
       expectStored(mesh, stored, exponent);
       EXPECT_EQ(stored.triangles.size(), 7200u);
-      EXPECT_LT(stored.report.statistics.vertices, 0.75*7200);
+      EXPECT_LT(stored.report.statistics.vertices, 0.75 * 7200);
     }
 }
 
 // The fast test must be conservative: it never accepts a triangle that flips.
-TEST(MeshSource, RobustTrianglesDoNotFlip)
-{
+TEST(MeshSource, RobustTrianglesDoNotFlip) {
   Random random(seed + 6);
   size_t robust = 0;
   for (int i = 0; i < 300000; i++) {
     const int exponent = std::vector<int>{-100, -40, -8, 0, 40}[i % 5];
     const MeshLattice lattice(i % 7 == 0 ? losslessExponent : exponent);
-    const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1), far = random.chance(0.5) ? 0
-      : random.magnitude(1, 1e7);
+    const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1),
+                 far = random.chance(0.5) ? 0 : random.magnitude(1, 1e7);
     double axis[2][3], origin[3];
-    for (int k = 0; k < 3; k++) { origin[k] = far*random.normal(); for (auto& a : axis) a[k] = random.normal(); }
+    for (int k = 0; k < 3; k++) {
+      origin[k] = far * random.normal();
+      for (auto& a : axis) a[k] = random.normal();
+    }
     Point p[3], q[3];
     for (int c = 0; c < 3; c++) {
-      const double u = random.normal(), v = flatness*random.normal();
-      for (int k = 0; k < 3; k++) p[c][k] = float(std::ldexp(origin[k] + size*(u*axis[0][k] + v*axis[1][k]), exponent));
+      const double u = random.normal(), v = flatness * random.normal();
+      for (int k = 0; k < 3; k++)
+        p[c][k] = float(std::ldexp(origin[k] + size * (u * axis[0][k] + v * axis[1][k]), exponent));
       lattice.snap(p[c].data(), q[c].data());
     }
     if (!lattice.isRobust(p[0].data(), p[1].data(), p[2].data())) continue;
@@ -174,8 +174,7 @@ TEST(MeshSource, RobustTrianglesDoNotFlip)
 }
 
 // Needles, and triangles not much larger than the spacing. Many of them would flip or degenerate.
-TEST(MeshSource, NoTriangleFlipsOrDegenerates)
-{
+TEST(MeshSource, NoTriangleFlipsOrDegenerates) {
   Random random(seed + 1);
   size_t finer = 0;
   for (int exponent : {-6, -4, -3}) {
@@ -191,7 +190,7 @@ TEST(MeshSource, NoTriangleFlipsOrDegenerates)
     const float x = float(random.uniform(0, 100)), y = float(random.uniform(0, 100)), z = float(random.uniform(0, 1));
     // aspect 1e6
     needles.points.insert(needles.points.end(), {{x, y, z}, {x + 50, y + 20, z}, {x + 50, y + 20 + 5e-5f, z + 5e-5f}});
-    needles.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+    needles.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const Stored stored(needles, -7);
   expectStored(needles, stored, -7);
@@ -201,8 +200,7 @@ TEST(MeshSource, NoTriangleFlipsOrDegenerates)
 }
 
 // Also for positions with few bits, whose hashes differ in few bits before they are mixed.
-TEST(MeshSource, ExceptionsAreFoundAmongMany)
-{
+TEST(MeshSource, ExceptionsAreFoundAmongMany) {
   Random random(seed + 8);
   for (unsigned side : {4u, 100u, 1u << 24}) {
     std::map<std::array<uint32_t, 3>, uint32_t> expected;
@@ -230,26 +228,24 @@ TEST(MeshSource, ExceptionsAreFoundAmongMany)
   }
 }
 
-TEST(MeshSource, LosslessIsBitExact)
-{
+TEST(MeshSource, LosslessIsBitExact) {
   Random random(seed + 2);
   const Mesh mesh = torus(random, 100, 0.02);
   const Stored stored(mesh, losslessExponent);
   ASSERT_EQ(stored.triangles.size(), mesh.triangles.size());
   for (uint32_t i = 0; i < mesh.triangles.size(); i++)
     for (int c = 0; c < 3; c++)
-      ASSERT_EQ(std::memcmp(&stored.triangles.at(i)[c], &mesh.points[mesh.triangles[i][c]], sizeof(Point)),
-      0) << "triangle " << i;
+      ASSERT_EQ(std::memcmp(&stored.triangles.at(i)[c], &mesh.points[mesh.triangles[i][c]], sizeof(Point)), 0)
+          << "triangle " << i;
 }
 
-TEST(MeshSource, TrianglesThatCannotBeHitAreSkippedAndCounted)
-{
+TEST(MeshSource, TrianglesThatCannotBeHitAreSkippedAndCounted) {
   Mesh mesh;
-  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0},
-    {-0.0f, 0, 0}};
-  mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {4, 1, 2}, {0, 5, 2}, {0, 1, 8}, {0, ~0u, 1},  // invalid: 5
-                    {0, 0, 1}, {1, 2, 1}, {0, 7, 1},                                     // two equal corners: 3
-                    {2, 1, 6}, {0, 1, 6}};                                               // the second one is flat
+  mesh.points = {{0, 0, 0},        {1, 0, 0},     {0, 1, 0}, {NAN, 0, 0},
+                 {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0}, {-0.0f, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {4, 1, 2}, {0, 5, 2}, {0, 1, 8}, {0, ~0u, 1}, // invalid: 5
+                    {0, 0, 1}, {1, 2, 1}, {0, 7, 1},                                    // two equal corners: 3
+                    {2, 1, 6}, {0, 1, 6}};                                              // the second one is flat
   const Stored stored(mesh, -10);
   EXPECT_EQ(stored.report.invalidTriangles, 5u);
   EXPECT_EQ(stored.report.degenerateTriangles, 3u);
@@ -263,15 +259,14 @@ TEST(MeshSource, TrianglesThatCannotBeHitAreSkippedAndCounted)
   EXPECT_EQ(Stored(Mesh(), -10).blocks, 0u);
 }
 
-TEST(MeshSource, AllScalesAreSupported)
-{
+TEST(MeshSource, AllScalesAreSupported) {
   Random random(seed + 3);
   for (float scale : {1e-30f, 1e-20f, 1e-6f, 1e6f, 1e17f})
     for (bool lattice : {true, false}) {
       Mesh mesh = torus(random, 24, 0.01);
       for (Point& p : mesh.points)
         for (float& x : p) x *= scale;
-      const int exponent = lattice ? latticeExponent(0.1*scale/2048) : losslessExponent;
+      const int exponent = lattice ? latticeExponent(0.1 * scale / 2048) : losslessExponent;
       const Stored stored(mesh, exponent);
       expectStored(mesh, stored, exponent);
       EXPECT_EQ(stored.triangles.size(), 1152u);
@@ -279,8 +274,7 @@ TEST(MeshSource, AllScalesAreSupported)
 }
 
 // The square of the spacing underflows, and the lattice would make two corners of a long thin triangle equal.
-TEST(MeshSource, TinySpacingsDoNotFlattenLongTriangles)
-{
+TEST(MeshSource, TinySpacingsDoNotFlattenLongTriangles) {
   Mesh mesh;
   mesh.points = {{0, 0, 0}, {1e-23f, 0, 0}, {0, 1e6f, 0}};
   mesh.triangles = {{0, 1, 2}};
@@ -290,41 +284,41 @@ TEST(MeshSource, TinySpacingsDoNotFlattenLongTriangles)
 }
 
 // Guards the size of the format. In this mesh the numbers are in the order of the rows.
-TEST(MeshSource, BytesPerTriangleStaySmall)
-{
+TEST(MeshSource, BytesPerTriangleStaySmall) {
   Random random(seed + 4);
   const Mesh mesh = torus(random, 160, 0.001);
-  const double triangles = double(mesh.triangles.size()), edge = 2*M_PI*3/160;
-  EXPECT_LT(double(Stored(mesh, latticeExponent(edge/2048), 16).report.statistics.bytes)/triangles, 6.5);
-  EXPECT_LT(double(Stored(mesh, latticeExponent(edge/2048), 32).report.statistics.bytes)/triangles, 6.3);
-  EXPECT_LT(double(Stored(mesh, losslessExponent, 16).report.statistics.bytes)/triangles, 8.8);
+  const double triangles = double(mesh.triangles.size()), edge = 2 * M_PI * 3 / 160;
+  EXPECT_LT(double(Stored(mesh, latticeExponent(edge / 2048), 16).report.statistics.bytes) / triangles, 6.5);
+  EXPECT_LT(double(Stored(mesh, latticeExponent(edge / 2048), 32).report.statistics.bytes) / triangles, 6.3);
+  EXPECT_LT(double(Stored(mesh, losslessExponent, 16).report.statistics.bytes) / triangles, 8.8);
 }
 
 // ends: of each group, the position of its last triangle in the cluster, plus 1.
-struct Cluster
-{
+struct Cluster {
   std::vector<MeshCenter> triangles;
   std::vector<uint32_t> ends;
 };
 
 // The triangles are boxes of the given size.
-std::vector<Cluster> clustersOf(std::vector<MeshCenter> centers, uint32_t groupTriangles, float size)
-{
+std::vector<Cluster> clustersOf(std::vector<MeshCenter> centers, uint32_t groupTriangles, float size) {
   const std::vector<MeshCenter> boxes = centers;
   std::vector<Cluster> found;
   MeshClusters clusters(groupTriangles);
-  clusters.split(centers.data(), centers.size(),
-    [&](uint32_t i, float lower[3], float upper[3]) {
-      for (int k = 0; k < 3; k++) { lower[k] = boxes[i].at[k] - 0.5f*size; upper[k] = boxes[i].at[k] + 0.5f*size; }
-    },
-    [&](const MeshCenter* cluster, const MeshGroups& groups) {
-      found.push_back({ { cluster, cluster + groups.numTriangles() }, { groups.ends, groups.ends + groups.count } });
-    });
+  clusters.split(
+      centers.data(), centers.size(),
+      [&](uint32_t i, float lower[3], float upper[3]) {
+        for (int k = 0; k < 3; k++) {
+          lower[k] = boxes[i].at[k] - 0.5f * size;
+          upper[k] = boxes[i].at[k] + 0.5f * size;
+        }
+      },
+      [&](const MeshCenter* cluster, const MeshGroups& groups) {
+        found.push_back({{cluster, cluster + groups.numTriangles()}, {groups.ends, groups.ends + groups.count}});
+      });
   return found;
 }
 
-TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups)
-{
+TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups) {
   Random random(seed + 5);
   for (uint32_t groupTriangles : {1u, 8u, 16u, 32u})
     for (size_t count : {size_t(0), size_t(1), size_t(255), size_t(256), size_t(257), size_t(5000), size_t(20000)})
@@ -333,8 +327,11 @@ TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups)
         for (size_t i = 0; i < count; i++) {
           centers[i].index = uint32_t(i);
           // equal centers, no structure, few different centers, centers of all magnitudes
-          for (float& x : centers[i].at) x = kind == 0 ? 1.0f : kind == 1 ? float(random.normal())
-            : kind == 2 ? float(random.below(3))*1e18f : std::ldexp(float(random.normal()), -int(random.below(100)));
+          for (float& x : centers[i].at)
+            x = kind == 0   ? 1.0f
+                : kind == 1 ? float(random.normal())
+                : kind == 2 ? float(random.below(3)) * 1e18f
+                            : std::ldexp(float(random.normal()), -int(random.below(100)));
         }
         const uint32_t most = MeshClusters(groupTriangles).clusterTriangles;
         std::set<uint32_t> seen;
@@ -344,7 +341,7 @@ TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups)
           ASSERT_LE(cluster.ends.size(), maxMeshGroups);
           ASSERT_EQ(cluster.ends.back(), cluster.triangles.size());
           for (size_t g = 0; g < cluster.ends.size(); g++) {
-            const uint32_t begin = g ? cluster.ends[g-1] : 0;
+            const uint32_t begin = g ? cluster.ends[g - 1] : 0;
             ASSERT_GT(cluster.ends[g], begin);
             ASSERT_LE(cluster.ends[g] - begin, groupTriangles);
           }
@@ -355,15 +352,12 @@ TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups)
         }
         ASSERT_EQ(seen.size(), count);
         // parts of more than a cluster become two clusters
-        if (kind < 2) {
-          ASSERT_LE(clusters.size(), count/(most/2) + 1);
-        }
+        if (kind < 2) { ASSERT_LE(clusters.size(), count / (most / 2) + 1); }
       }
 }
 
 // A group that reached from one component to another would be hit by all rays between them.
-TEST(MeshClusters, GroupsDoNotBridgeGaps)
-{
+TEST(MeshClusters, GroupsDoNotBridgeGaps) {
   Random random(seed + 6);
   for (int repeat = 0; repeat < 20; repeat++) {
     std::vector<MeshCenter> centers;
@@ -371,9 +365,9 @@ TEST(MeshClusters, GroupsDoNotBridgeGaps)
     for (uint32_t component = 0; component < 60; component++)
       for (uint32_t i = 0, n = 20 + random.below(60); i < n; i++) {
         // components of size 1 in the cells of a grid of size 10
-        const uint32_t cell[3] = { component % 4, component / 4 % 4, component / 16 };
+        const uint32_t cell[3] = {component % 4, component / 4 % 4, component / 16};
         MeshCenter center;
-        for (int k = 0; k < 3; k++) center.at[k] = 10.0f*float(cell[k]) + float(random.below(1000))*0.001f;
+        for (int k = 0; k < 3; k++) center.at[k] = 10.0f * float(cell[k]) + float(random.below(1000)) * 0.001f;
         center.index = uint32_t(centers.size());
         centers.push_back(center);
         componentOf.push_back(component);
@@ -382,14 +376,13 @@ TEST(MeshClusters, GroupsDoNotBridgeGaps)
     for (const Cluster& cluster : clustersOf(centers, 16, 0.1f))
       for (size_t g = 0; g < cluster.ends.size(); g++) {
         std::set<uint32_t> components;
-        for (uint32_t i = g ? cluster.ends[g-1] : 0; i < cluster.ends[g]; i++)
+        for (uint32_t i = g ? cluster.ends[g - 1] : 0; i < cluster.ends[g]; i++)
           components.insert(componentOf[cluster.triangles[i].index]);
         groups++;
         bridges += components.size() > 1;
       }
-    EXPECT_LE(bridges, groups/6); // two thirds if parts are cut at medians
+    EXPECT_LE(bridges, groups / 6); // two thirds if parts are cut at medians
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

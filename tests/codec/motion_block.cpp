@@ -14,21 +14,18 @@
 
 #include <memory>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace cvert;
 
 constexpr uint32_t seed = 311;
 
-bool sameFloat(float a, float b)
-{
+bool sameFloat(float a, float b) {
   return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b));
 }
 
 // Form and margins of the boxes of the segment that begins at a step, or null if one of its ends is raw.
-const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& info)
-{
+const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& info) {
   const VertStep* const end = stepOf(block, segment + 1);
   if (isRaw(end->info) || isRaw(segment ? stepOf(block, segment)->info : block->info)) return nullptr;
   info = segment ? stepOf(block, segment)->info : block->info;
@@ -37,15 +34,13 @@ const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& in
 }
 
 // Relative to the origin of a step; exact.
-double shearedCoordinate(uint32_t info, const float origin[3], const float* p)
-{
+double shearedCoordinate(uint32_t info, const float origin[3], const float* p) {
   const int m = shearedAxis(info), a = (m + 1) % 3, b = (m + 2) % 3;
-  return double(p[m]) - origin[m] + shearSlope(info, 1)/16.0*(double(p[a]) - origin[a]) +
-         shearSlope(info, 2)/16.0*(double(p[b]) - origin[b]);
+  return double(p[m]) - origin[m] + shearSlope(info, 1) / 16.0 * (double(p[a]) - origin[a]) +
+         shearSlope(info, 2) / 16.0 * (double(p[b]) - origin[b]);
 }
 
-void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
-{
+void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment) {
   const VertHeader* const block = encoded.block();
   uint32_t info = 0;
   const uint8_t* const margins = marginsOf(block, segment, info);
@@ -53,25 +48,24 @@ void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
   for (uint32_t step : {segment, segment + 1}) {
     const auto decoded = std::make_unique<DecodedBlock>(block, step);
     const float* const origin = step ? stepOf(block, step)->origin : block->origin;
-    const uint32_t groupsX = groupsOf(decoded->quadsX), groups = groupsX*groupsOf(decoded->quadsY);
+    const uint32_t groupsX = groupsOf(decoded->quadsX), groups = groupsX * groupsOf(decoded->quadsY);
     for (uint32_t g = 0; g < groups; g++) {
       float lower[3], upper[3];
       decoded->groupBox(g, info, margins, lower, upper);
-      const uint32_t x0 = 4*(g % groupsX), y0 = 4*(g/groupsX);
+      const uint32_t x0 = 4 * (g % groupsX), y0 = 4 * (g / groupsX);
       for (uint32_t y = y0; y <= std::min(y0 + 4, decoded->quadsY); y++)
         for (uint32_t x = x0; x <= std::min(x0 + 4, decoded->quadsX); x++)
           for (int k = 0; k < 3; k++) {
             const float* const p = decoded->vertex(x, y);
             const double c = k == shearedAxis(info) ? shearedCoordinate(info, origin, p) : p[k];
             ASSERT_TRUE(lower[k] <= c && c <= upper[k])
-              << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
+                << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
           }
     }
   }
 }
 
-TEST(MotionBlock, VerticesRoundTripAtEveryStep)
-{
+TEST(MotionBlock, VerticesRoundTripAtEveryStep) {
   Random random(seed);
   auto encoder = std::make_unique<MotionEncoder>();
   size_t raw = 0, turned = 0, alone = 0;
@@ -90,13 +84,13 @@ TEST(MotionBlock, VerticesRoundTripAtEveryStep)
           const auto& p = sheet.steps[s][v];
           const bool isFinite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
           ASSERT_TRUE(isFinite ? sameFloat(decoded->vertices[v][k], p[k]) : std::isnan(decoded->vertices[v][k]))
-            << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
+              << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
         }
       if (s + 1 < sheet.steps.size()) { ASSERT_NO_FATAL_FAILURE(expectBoxesContain(encoded, s)) << "sheet " << i; }
     }
     raw += encoded.statistics.raw;
     turned += encoded.statistics.rotatedGroups;
-    const size_t groups = groupsOf(sheet.quadsX)*groupsOf(sheet.quadsY)*(sheet.steps.size() - 1);
+    const size_t groups = groupsOf(sheet.quadsX) * groupsOf(sheet.quadsY) * (sheet.steps.size() - 1);
     if (!encoded.statistics.raw) alone += groups - encoded.statistics.rotatedGroups;
   }
   EXPECT_GT(raw, 100u);
@@ -104,16 +98,15 @@ TEST(MotionBlock, VerticesRoundTripAtEveryStep)
   EXPECT_GT(alone, 500u);
 }
 
-TEST(MotionBlock, RawStepsStoreFloats)
-{
+TEST(MotionBlock, RawStepsStoreFloats) {
   Random random(seed + 3);
   auto encoder = std::make_unique<MotionEncoder>();
   MovingSheet sheet(random, 3, 2, SheetMotion::turn, 1, 4);
   for (int s : {0, 1, 2}) sheet.steps[s][5][s] = -INFINITY;
   for (auto& p : sheet.steps[3]) p[2] = NAN;
   const EncodedMotion encoded(*encoder, sheet);
-  const size_t vertices = 12*12, boxes = 6*4, offsets = 3*4;
-  EXPECT_EQ(encoded.size, 64 + 16 + vertices + boxes + offsets + 3*(64 + vertices));
+  const size_t vertices = 12 * 12, boxes = 6 * 4, offsets = 3 * 4;
+  EXPECT_EQ(encoded.size, 64 + 16 + vertices + boxes + offsets + 3 * (64 + vertices));
   for (uint32_t s : {1, 2, 3})
     for (int k = 0; k < 3; k++) {
       float least = s == 3 ? 0 : INFINITY;
@@ -123,8 +116,7 @@ TEST(MotionBlock, RawStepsStoreFloats)
     }
 }
 
-TEST(MotionBlock, ReservedBitsOfLaterStepsAreUnsupported)
-{
+TEST(MotionBlock, ReservedBitsOfLaterStepsAreUnsupported) {
   Random random(seed + 4);
   auto encoder = std::make_unique<MotionEncoder>();
   MovingSheet sheet(random, 6, 5, SheetMotion::turn, 1, 3);
@@ -153,8 +145,7 @@ double bytesOfLaterSteps(MotionEncoder& encoder, const MovingSheet& sheet) {
   return double(encoded.statistics.stepBytes);
 }
 
-TEST(MotionBlock, RotationBendingAndScalingArePredicted)
-{
+TEST(MotionBlock, RotationBendingAndScalingArePredicted) {
   Random random(seed + 1);
   auto encoder = std::make_unique<MotionEncoder>();
   for (const SheetMotion motion : {SheetMotion::turn, SheetMotion::grow, SheetMotion::bend}) {
@@ -165,33 +156,31 @@ TEST(MotionBlock, RotationBendingAndScalingArePredicted)
       own += double(EncodedMotion(*encoder, MovingSheet(sheet, {1, 0})).firstStepBytes());
       still += bytesOfLaterSteps(*encoder, MovingSheet(sheet, {0, 0}));
     }
-    EXPECT_LT(moving, 0.7*own) << "motion " << int(motion);
-    EXPECT_LT(still, 110.0*50) << "a step without motion must have no fields";
+    EXPECT_LT(moving, 0.7 * own) << "motion " << int(motion);
+    EXPECT_LT(still, 110.0 * 50) << "a step without motion must have no fields";
   }
 }
 
 // Displacement along the diagonal of the world: least squares are nearly singular.
-TEST(MotionBlock, ParallelResidualsArePredicted)
-{
+TEST(MotionBlock, ParallelResidualsArePredicted) {
   Random random(seed + 3);
   auto encoder = std::make_unique<MotionEncoder>();
   for (uint32_t height : {700u, 3000u}) {
     double still = 0, own = 0;
     for (int i = 0; i < 50; i++) {
       MovingSheet sheet(random, 16, 16, SheetMotion::turn, 0, 2);
-      for (uint32_t v = 0; v < 17*17; v++) {
-        const float x = 64*float(v % 17), y = 64*float(v/17), h = float(random.below(height));
+      for (uint32_t v = 0; v < 17 * 17; v++) {
+        const float x = 64 * float(v % 17), y = 64 * float(v / 17), h = float(random.below(height));
         for (auto& step : sheet.steps) step[v] = {x + h, y + h, h};
       }
       still += bytesOfLaterSteps(*encoder, sheet);
       own += double(EncodedMotion(*encoder, sheet).firstStepBytes());
     }
-    EXPECT_LT(still, 0.7*own) << "height " << height;
+    EXPECT_LT(still, 0.7 * own) << "height " << height;
   }
 }
 
-TEST(MotionBlock, RandomMotionIsNotLargerThanSeparateSteps)
-{
+TEST(MotionBlock, RandomMotionIsNotLargerThanSeparateSteps) {
   Random random(seed + 2);
   auto encoder = std::make_unique<MotionEncoder>();
   double both = 0, alone = 0;
@@ -210,5 +199,4 @@ TEST(MotionBlock, RandomMotionIsNotLargerThanSeparateSteps)
   EXPECT_LE(both, alone);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -11,15 +11,13 @@
 #include <algorithm>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
 constexpr int levels = 8;
 
-ExactBox intersection(const ExactBox& a, const ExactBox& b)
-{
+ExactBox intersection(const ExactBox& a, const ExactBox& b) {
   ExactBox r;
   for (int axis = 0; axis < 3; axis++) {
     r.lower[axis] = std::min(std::max(a.lower[axis], b.lower[axis]), b.upper[axis]);
@@ -32,29 +30,32 @@ ExactBox intersection(const ExactBox& a, const ExactBox& b)
 enum Shape { QUADRANTS, FOLDED, NEEDLES, FLAT, POINTS, TOUCHING, SHAPES };
 
 // Generates children of a parent whose geometry has the given exact bounds.
-void makeChildren(Random& random, Shape shape, const NodeBox& parent, const ExactBox& exact, ExactBox children[4])
-{
+void makeChildren(Random& random, Shape shape, const NodeBox& parent, const ExactBox& exact, ExactBox children[4]) {
   for (int c = 0; c < 4; c++) {
     for (int axis = 0; axis < 3; axis++) {
       const double l = exact.lower[axis], e = exact.upper[axis] - l;
       double a = random.uniform(), b = random.uniform();
       switch (shape) {
       case QUADRANTS: // slightly more than the quadrant
-        a = axis < 2 ? 0.5*childCoordinate(c, axis) - 0.03*random.uniform() : random.uniform(0, 0.5);
-        b = axis < 2 ? a + 0.5 + 0.06*random.uniform() : random.uniform(0.5, 1);
+        a = axis < 2 ? 0.5 * childCoordinate(c, axis) - 0.03 * random.uniform() : random.uniform(0, 0.5);
+        b = axis < 2 ? a + 0.5 + 0.06 * random.uniform() : random.uniform(0.5, 1);
         break;
-      case NEEDLES: if (axis != int(random.below(3))) b = a + random.magnitude(1e-9, 1e-2); break;
-      case FLAT: if (axis == 2) b = a; break;
+      case NEEDLES:
+        if (axis != int(random.below(3))) b = a + random.magnitude(1e-9, 1e-2);
+        break;
+      case FLAT:
+        if (axis == 2) b = a;
+        break;
       case POINTS: b = a; break;
       default: break; // FOLDED: anywhere
       }
-      double lower = l + e*std::min(a, b), upper = l + e*std::max(a, b);
+      double lower = l + e * std::min(a, b), upper = l + e * std::max(a, b);
       if (shape == TOUCHING) { // exactly on planes of some code
         const uint32_t pair = random.below(32);
         const int column = childCoordinate(c, axis == 2 ? 0 : axis);
         const Interval z = zInterval(random.below(8));
-        lower = parent.lower[axis] + (axis == 2 ? z.lower : lowerPlane(pair, column))*parent.extent[axis];
-        upper = parent.lower[axis] + (axis == 2 ? z.upper : upperPlane(pair, column))*parent.extent[axis];
+        lower = parent.lower[axis] + (axis == 2 ? z.lower : lowerPlane(pair, column)) * parent.extent[axis];
+        upper = parent.lower[axis] + (axis == 2 ? z.upper : upperPlane(pair, column)) * parent.extent[axis];
         if (lower > upper) std::swap(lower, upper);
       }
       children[c].lower[axis] = lower;
@@ -65,8 +66,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
 }
 
 // Moves bounds inwards by the slack that the encoder adds.
-uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
-{
+uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4]) {
   ExactBox moved[4];
   for (int c = 0; c < 4; c++)
     for (int axis = 0; axis < 3; axis++) {
@@ -78,8 +78,7 @@ uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
 
 // On one random path from the root to level 8. Returns how many children were not contained, over all variants.
 template<typename Encode>
-unsigned violations(Random& random, int shape, const Encode& encode)
-{
+unsigned violations(Random& random, int shape, const Encode& encode) {
   ExactBox exact;
   for (int axis = 0; axis < 3; axis++) { // the margin of the frame is 2^-18
     exact.lower[axis] = 0x1p-18;
@@ -93,8 +92,7 @@ unsigned violations(Random& random, int shape, const Encode& encode)
     const uint32_t node = encode(box[0], children);
     const int next = int(random.below(4));
     for (int f = 0; f < 4; f++) {
-      for (int c = 0; c < 4; c++)
-        count += !contains(forms[f], decode(forms[f], node, c, box[f]), children[c]);
+      for (int c = 0; c < 4; c++) count += !contains(forms[f], decode(forms[f], node, c, box[f]), children[c]);
       box[f] = decode(forms[f], node, next, box[f]);
     }
     exact = children[next];
@@ -102,8 +100,7 @@ unsigned violations(Random& random, int shape, const Encode& encode)
   return count;
 }
 
-TEST(NodeCodec, DecodedBoundsContainChildrenOnAllLevelsInAllArithmetic)
-{
+TEST(NodeCodec, DecodedBoundsContainChildrenOnAllLevelsInAllArithmetic) {
   Random random(1);
   for (int shape = 0; shape <= SHAPES; shape++)
     for (int i = 0; i < 20000; i++)
@@ -111,22 +108,20 @@ TEST(NodeCodec, DecodedBoundsContainChildrenOnAllLevelsInAllArithmetic)
 }
 
 // The opposite of the previous test: fused arithmetic rounds planes only once.
-TEST(NodeCodec, GeometryTouchingPlanesIsLostWithoutSlack)
-{
+TEST(NodeCodec, GeometryTouchingPlanesIsLostWithoutSlack) {
   Random random(1);
   unsigned count = 0;
   for (int i = 0; i < 20000; i++) count += violations(random, TOUCHING, encodeWithoutSlack) != 0;
   EXPECT_GT(count, 100u);
 }
 
-TEST(NodeCodec, ReferenceDecoderIsOneOfTheVariants)
-{
+TEST(NodeCodec, ReferenceDecoderIsOneOfTheVariants) {
   Random random(2);
   for (int i = 0; i < 10000; i++) {
     NodeBox parent;
     for (int axis = 0; axis < 3; axis++) {
       parent.lower[axis] = float(random.uniform());
-      parent.extent[axis] = float(random.uniform())*(1 - parent.lower[axis]);
+      parent.extent[axis] = float(random.uniform()) * (1 - parent.lower[axis]);
     }
     const uint32_t node = random.bits();
     for (int c = 0; c < 4; c++) {
@@ -144,8 +139,7 @@ constexpr double stepError = 0x1p-23;
 
 // A lower plane cannot round below its parent's, because the added term is not negative. An upper plane is the sum of
 // two rounded numbers.
-TEST(NodeCodec, BoundsNeverGrow)
-{
+TEST(NodeCodec, BoundsNeverGrow) {
   Random random(3);
   for (int i = 0; i < 10000; i++) {
     NodeBox parent = rootBox();
@@ -165,13 +159,15 @@ TEST(NodeCodec, BoundsNeverGrow)
   }
 }
 
-TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
-{
+TEST(NodeCodec, EveryPlaneIsTightestWithSlack) {
   Random random(4);
   unsigned taken[8] = {}; // inner planes, by their codes
   for (int i = 0; i < 20000; i++) {
     ExactBox exact, children[4];
-    for (int axis = 0; axis < 3; axis++) { exact.lower[axis] = 0x1p-18; exact.upper[axis] = 1 - 0x1p-18; }
+    for (int axis = 0; axis < 3; axis++) {
+      exact.lower[axis] = 0x1p-18;
+      exact.upper[axis] = 1 - 0x1p-18;
+    }
     const NodeBox parent = rootBox();
     makeChildren(random, Shape(i % SHAPES), parent, exact, children);
     const uint32_t word = encodeNode(parent, children);
@@ -211,12 +207,11 @@ TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
 }
 
 // Children that fill their quadrants: a code loses at most one step of its table.
-TEST(NodeCodec, RegularChildrenGetTightBounds)
-{
+TEST(NodeCodec, RegularChildrenGetTightBounds) {
   ExactBox children[4];
   for (int c = 0; c < 4; c++)
     for (int axis = 0; axis < 3; axis++) {
-      children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49*childCoordinate(c, axis) : 0.3);
+      children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49 * childCoordinate(c, axis) : 0.3);
       children[c].upper[axis] = children[c].lower[axis] + (axis < 2 ? 0.49 : 0.15);
     }
   const uint32_t node = encodeNode(rootBox(), children);
@@ -229,15 +224,13 @@ TEST(NodeCodec, RegularChildrenGetTightBounds)
 }
 
 // A box at a level below the root.
-NodeBox randomBox(Random& random, int level)
-{
+NodeBox randomBox(Random& random, int level) {
   NodeBox box = rootBox();
   for (int i = 0; i < level; i++) box = decodeChild(random.bits(), int(random.below(4)), box);
   return box;
 }
 
-TEST(NodeCodec, EveryFieldAffectsOnlyItsPlanes)
-{
+TEST(NodeCodec, EveryFieldAffectsOnlyItsPlanes) {
   // changing a field changes bounds of the axis it belongs to and of no other
   Random random(6);
   for (int bit = 0; bit < 32; bit++)
@@ -261,21 +254,21 @@ TEST(NodeCodec, EveryFieldAffectsOnlyItsPlanes)
 // --- the tables of the traversal ---------------------------------------------------------
 
 // Planes of a child from the tables, in the parent's extents.
-void lookUp(const NodeTables& tables, uint32_t node, int child, float lower[3], float upper[3])
-{
+void lookUp(const NodeTables& tables, uint32_t node, int child, float lower[3], float upper[3]) {
   for (int axis = 0; axis < 2; axis++) {
     lower[axis] = tables.lowerPlanes[axis][(node >> lowerShift(axis)) & planePairMask][child];
     upper[axis] = tables.upperPlanes[axis][(node >> upperShift(axis)) & planePairMask][child];
   }
-  const float* z = tables.zPlanes[(node >> (zShift + 2*zBits*(child >> 1))) & 63];
+  const float* z = tables.zPlanes[(node >> (zShift + 2 * zBits * (child >> 1))) & 63];
   lower[2] = z[child & 1];
   upper[2] = z[2 + (child & 1)];
 }
 
-struct Bounds { double lower[3], upper[3]; };
+struct Bounds {
+  double lower[3], upper[3];
+};
 
-Bounds boundsOf(const NodeBox& box)
-{
+Bounds boundsOf(const NodeBox& box) {
   Bounds bounds;
   for (int axis = 0; axis < 3; axis++) {
     bounds.lower[axis] = box.lower[axis];
@@ -284,27 +277,25 @@ Bounds boundsOf(const NodeBox& box)
   return bounds;
 }
 
-Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bounds& parent)
-{
+Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bounds& parent) {
   float lower[3], upper[3];
   lookUp(tables, node, c, lower, upper);
   Bounds child;
   for (int axis = 0; axis < 3; axis++) {
     const double extent = parent.upper[axis] - parent.lower[axis];
-    child.lower[axis] = parent.lower[axis] + double(lower[axis])*extent;
-    child.upper[axis] = parent.lower[axis] + double(upper[axis])*extent;
+    child.lower[axis] = parent.lower[axis] + double(lower[axis]) * extent;
+    child.upper[axis] = parent.lower[axis] + double(upper[axis]) * extent;
   }
   return child;
 }
 
 // All planes are multiples of 1/256, so at the root both results are exact.
-TEST(NodeTables, MatchScalarDecoderForAllCodes)
-{
+TEST(NodeTables, MatchScalarDecoderForAllCodes) {
   static const NodeTables tables;
   Random random(4);
   std::vector<uint32_t> nodes;
   for (int field = 0; field < 4; field++) // every code of every pair
-    for (uint32_t code = 0; code < 32; code++) nodes.push_back(code << (field*planePairBits));
+    for (uint32_t code = 0; code < 32; code++) nodes.push_back(code << (field * planePairBits));
   for (uint32_t code = 0; code < 4096; code++) nodes.push_back(code << zShift); // every code of z
   for (int i = 0; i < 4096; i++) nodes.push_back(random.bits());
 
@@ -320,12 +311,11 @@ TEST(NodeTables, MatchScalarDecoderForAllCodes)
     }
 }
 
-TEST(NodeTables, MasksOfFourExpandToMasksOfSixteen)
-{
+TEST(NodeTables, MasksOfFourExpandToMasksOfSixteen) {
   static const NodeTables tables;
   for (int mask = 0; mask < 16; mask++)
     for (int bit = 0; bit < 16; bit++) {
-      const int isSet = (mask >> bit/4) & 1;
+      const int isSet = (mask >> bit / 4) & 1;
       ASSERT_EQ((tables.firstOfFour[mask] >> bit) & 1, bit % 4 == 0 ? isSet : 0) << mask << " " << bit;
       ASSERT_EQ((tables.allOfFour[mask] >> bit) & 1, isSet) << mask << " " << bit;
     }
@@ -334,8 +324,7 @@ TEST(NodeTables, MasksOfFourExpandToMasksOfSixteen)
 // Random paths reach parents that no word of the root describes. Three levels of multiples of 1/256 are floats,
 // multiples of 2^-24 below 1: there both decoders are exact if the parent's upper plane is at most 1. Deeper,
 // decodeChild has the error of one step per level.
-TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels)
-{
+TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels) {
   static const NodeTables tables;
   Random random(5);
   for (int path = 0; path < 4000; path++) {
@@ -349,14 +338,17 @@ TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels)
       for (int child = 0; child < 4; child++) {
         const NodeBox box = decodeChild(node, child, parent);
         const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, child, exactParent);
-        const double error = level <= 3 ? 0 : level*stepError;
+        const double error = level <= 3 ? 0 : level * stepError;
         for (int axis = 0; axis < 3; axis++) {
           ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error)
-            << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+              << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
           ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error)
-            << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+              << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
         }
-        if (child == next) { nextBox = box; nextExact = exact; }
+        if (child == next) {
+          nextBox = box;
+          nextExact = exact;
+        }
       }
       parent = nextBox;
       exactParent = nextExact;
@@ -364,5 +356,4 @@ TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

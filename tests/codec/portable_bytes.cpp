@@ -18,8 +18,7 @@ std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps
 
 namespace {
 
-TEST(PortableBytes, PlainCodeMatchesVectorCode)
-{
+TEST(PortableBytes, PlainCodeMatchesVectorCode) {
   Random random(5);
   size_t numRaw = 0, total = 0;
   for (int i = 0; i < 3000; i++) {
@@ -36,11 +35,11 @@ TEST(PortableBytes, PlainCodeMatchesVectorCode)
     }
     std::vector<std::vector<float>> steps(numSteps);
     for (uint32_t s = 0; s < numSteps; s++)
-      for (uint32_t v = 0; v < (width + 1)*(height + 1); v++)
+      for (uint32_t v = 0; v < (width + 1) * (height + 1); v++)
         for (int k = 0; k < 3; k++) {
-          const double x = v % (width + 1), y = v/(width + 1),
-                       z = slopes[k][0]*x + slopes[k][1]*y + bend[k]*x*(y + s) + roughness*random.normal();
-          steps[s].push_back(random.chance(0.0002) ? NAN : float(far*(k + 1) + z));
+          const double x = v % (width + 1), y = v / (width + 1),
+                       z = slopes[k][0] * x + slopes[k][1] * y + bend[k] * x * (y + s) + roughness * random.normal();
+          steps[s].push_back(random.chance(0.0002) ? NAN : float(far * (k + 1) + z));
         }
     const std::vector<uint8_t> bytes = vectors::encode(steps, width, height, exponent),
                                portable = encodePortably(steps, width, height, exponent);
@@ -49,7 +48,7 @@ TEST(PortableBytes, PlainCodeMatchesVectorCode)
     total++;
   }
   EXPECT_GT(numRaw, 10u);
-  EXPECT_LT(numRaw, total/2);
+  EXPECT_LT(numRaw, total / 2);
 }
 
 } // namespace

@@ -10,8 +10,7 @@
 namespace cbvh::test {
 
 std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
-                                    int exponent)
-{
+                                    int exponent) {
   return portable::encode(steps, width, height, exponent);
 }
 

@@ -16,22 +16,20 @@
 #include <memory>
 #include <string>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace cvert;
 
 // A sheet in lattice spacings.
-struct Sheet
-{
+struct Sheet {
   const char* name;
   uint32_t quadsX, quadsY;
-  int exponent;          // of the spacing
+  int exponent; // of the spacing
   int origin[3];
   int alongU[3], alongV[3];
-  int bend[3];           // of x^2 - xy, in 1/8
+  int bend[3]; // of x^2 - xy, in 1/8
   int noise[3];
-  int hole;              // index of a vertex that is not finite, or -1
+  int hole; // index of a vertex that is not finite, or -1
   uint64_t checksum;
 };
 
@@ -70,16 +68,15 @@ const Sheet sheets[] = {
 };
 // clang-format on
 
-void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
-{
+void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed) {
   Integers integers(seed);
   for (uint32_t y = 0; y <= sheet.quadsY; y++)
     for (uint32_t x = 0; x <= sheet.quadsX; x++) {
-      const uint32_t v = y*(sheet.quadsX + 1) + x;
+      const uint32_t v = y * (sheet.quadsX + 1) + x;
       for (int k = 0; k < 3; k++) {
         const int i = int(x), j = int(y);
-        const int steps = sheet.origin[k] + i*sheet.alongU[k] + j*sheet.alongV[k] +
-                          (i*i - i*j)*sheet.bend[k]/8 + integers.within(sheet.noise[k]);
+        const int steps = sheet.origin[k] + i * sheet.alongU[k] + j * sheet.alongV[k] +
+                          (i * i - i * j) * sheet.bend[k] / 8 + integers.within(sheet.noise[k]);
         encoder.vertices[v][k] = std::ldexp(float(steps), sheet.exponent); // 23 bits: exact
         if (int(v) == sheet.hole) encoder.vertices[v][k] = INFINITY;
       }
@@ -87,17 +84,17 @@ void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
 }
 
 // Inside a patch; sheets with an odd width have edges.
-VertPlacement placementOf(const Sheet& sheet)
-{
+VertPlacement placementOf(const Sheet& sheet) {
   const uint32_t region = packRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = packPatchQuads(100, 50);
   return sheet.quadsX % 2 ? VertPlacement(region, patch, packEdges(100, 7, 31, 50, 5, 1))
                           : VertPlacement(region, patch);
 }
 
-TEST(VertBytes, MatchPinnedChecksums)
-{
+TEST(VertBytes, MatchPinnedChecksums) {
   const auto encoder = std::make_unique<VertEncoder>();
-  struct Room { alignas(16) uint8_t bytes[VertEncoder::maxBytes]; };
+  struct Room {
+    alignas(16) uint8_t bytes[VertEncoder::maxBytes];
+  };
   const auto room = std::make_unique<Room>();
   std::string table;
   unsigned raw = 0, byAxis = 0, sheared = 0;
@@ -123,5 +120,4 @@ TEST(VertBytes, MatchPinnedChecksums)
   if (HasFailure()) std::printf("%s", table.c_str());
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -9,36 +9,29 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class BuildProgress : public testing::TestWithParam<RepresentationKind>
-{
+class BuildProgress : public testing::TestWithParam<RepresentationKind> {
 protected:
-  ~BuildProgress() override
-  {
+  ~BuildProgress() override {
     setPhaseListener({});
     clearCancel();
   }
 
   /* Builds 393216 quads. */
-  void build()
-  {
+  void build() {
     BuildSettings settings;
     settings.level = 8;
     BuiltScene(makeCube(cubeAmplitude), {GetParam()}, settings);
   }
 };
 
-TEST_P(BuildProgress, IsReportedDuringTheBuild)
-{
+TEST_P(BuildProgress, IsReportedDuringTheBuild) {
   std::vector<double> all, within;
   std::string first;
   setPhaseListener([&](const std::string& name, double fraction) {
-    if (first.empty())
-      first = name;
-    if (name == first)
-      (fraction > 0.0 && fraction < 1.0 ? within : all).push_back(fraction);
+    if (first.empty()) first = name;
+    if (name == first) (fraction > 0.0 && fraction < 1.0 ? within : all).push_back(fraction);
   });
   build();
   ASSERT_FALSE(all.empty());
@@ -48,11 +41,9 @@ TEST_P(BuildProgress, IsReportedDuringTheBuild)
   EXPECT_GE(within.size(), 4u) << first;
 }
 
-TEST_P(BuildProgress, BuildStopsOnRequestAndCanBeRepeated)
-{
+TEST_P(BuildProgress, BuildStopsOnRequestAndCanBeRepeated) {
   setPhaseListener([&](const std::string&, double fraction) {
-    if (fraction > 0.0)
-      requestCancel();
+    if (fraction > 0.0) requestCancel();
   });
   EXPECT_THROW(build(), Canceled);
   setPhaseListener({});
@@ -69,5 +60,4 @@ INSTANTIATE_TEST_SUITE_P(, BuildProgress,
                            return name;
                          });
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

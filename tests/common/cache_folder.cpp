@@ -9,55 +9,43 @@
 #include <optional>
 #include <vector>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* Sets or unsets an environment variable until the end of a test. */
-class Variable
-{
+class Variable {
 public:
-  Variable(const char* name, const std::optional<std::string>& value) : name(name)
-  {
-    if (const char* old = std::getenv(name))
-      before = old;
+  Variable(const char* name, const std::optional<std::string>& value) : name(name) {
+    if (const char* old = std::getenv(name)) before = old;
     set(value);
   }
   ~Variable() { set(before); }
 
 private:
-  void set(const std::optional<std::string>& value)
-  {
-    if (value)
-      setenv(name, value->c_str(), 1);
-    else
-      unsetenv(name);
+  void set(const std::optional<std::string>& value) {
+    if (value) setenv(name, value->c_str(), 1);
+    else unsetenv(name);
   }
 
   const char* name;
   std::optional<std::string> before;
 };
 
-TEST(CacheFolder, IsNamedByTheEnvironment)
-{
+TEST(CacheFolder, IsNamedByTheEnvironment) {
   const Variable cache("XDG_CACHE_HOME", "/some/caches"), home("HOME", "/home/user");
   EXPECT_EQ(userCacheFolder(), "/some/caches/embree-cbvh");
 }
 
-TEST(CacheFolder, IsInHomeWithoutAnAbsolutePathInTheEnvironment)
-{
+TEST(CacheFolder, IsInHomeWithoutAnAbsolutePathInTheEnvironment) {
   const Variable home("HOME", "/home/user");
-  for (const std::optional<std::string>& value : std::vector<std::optional<std::string>>{std::nullopt, "", "caches"})
-  {
+  for (const std::optional<std::string>& value : std::vector<std::optional<std::string>>{std::nullopt, "", "caches"}) {
     const Variable cache("XDG_CACHE_HOME", value);
     EXPECT_EQ(userCacheFolder(), "/home/user/.cache/embree-cbvh") << value.value_or("none");
   }
 }
 
-TEST(CacheFolder, MissingFolderIsAnError)
-{
+TEST(CacheFolder, MissingFolderIsAnError) {
   const Variable cache("XDG_CACHE_HOME", std::nullopt), home("HOME", std::nullopt);
   EXPECT_THROW(userCacheFolder(), Error);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

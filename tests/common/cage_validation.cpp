@@ -11,102 +11,78 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-Cage withFaces(size_t vertices, const std::vector<std::vector<unsigned>>& faces)
-{
+Cage withFaces(size_t vertices, const std::vector<std::vector<unsigned>>& faces) {
   Cage cage;
   cage.name = "test";
-  for (size_t i = 0; i < vertices; i++)
-    cage.positions.push_back({float(i), float(i * i), 0});
-  for (const auto& face : faces)
-  {
+  for (size_t i = 0; i < vertices; i++) cage.positions.push_back({float(i), float(i * i), 0});
+  for (const auto& face : faces) {
     cage.faceSizes.push_back(unsigned(face.size()));
     cage.faceIndices.insert(cage.faceIndices.end(), face.begin(), face.end());
   }
   return cage;
 }
 
-std::string errorOf(Cage cage)
-{
-  try
-  {
+std::string errorOf(Cage cage) {
+  try {
     std::string warnings;
     validateCage(cage, warnings);
-  }
-  catch (const Error& e)
-  {
-    return e.what();
-  }
+  } catch (const Error& e) { return e.what(); }
   return "";
 }
 
-struct Checked
-{
+struct Checked {
   Cage cage;
   std::string warnings;
 };
 
-Checked checked(Cage cage)
-{
+Checked checked(Cage cage) {
   Checked result{std::move(cage), ""};
   validateCage(result.cage, result.warnings);
   return result;
 }
 
-ptrdiff_t linesOf(const std::string& text)
-{
-  return std::count(text.begin(), text.end(), '\n');
-}
+ptrdiff_t linesOf(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 /* A closed fan of triangles around vertex 0. */
-std::vector<std::vector<unsigned>> fan(unsigned n)
-{
+std::vector<std::vector<unsigned>> fan(unsigned n) {
   std::vector<std::vector<unsigned>> faces;
-  for (unsigned i = 0; i < n; i++)
-    faces.push_back({0, 1 + i, 1 + (i + 1) % n});
+  for (unsigned i = 0; i < n; i++) faces.push_back({0, 1 + i, 1 + (i + 1) % n});
   return faces;
 }
 
-TEST(CageValidation, AcceptsClosedAndOpenCages)
-{
+TEST(CageValidation, AcceptsClosedAndOpenCages) {
   EXPECT_EQ(checked(makeCube().cage).warnings, "");
   EXPECT_EQ(checked(withFaces(4, {{0, 1, 2, 3}})).warnings, "");
   EXPECT_EQ(checked(withFaces(5, {{0, 1, 2, 3}, {1, 0, 4}})).warnings, "");
 }
 
-TEST(CageValidation, WarnsOfACageWithoutExtent)
-{
+TEST(CageValidation, WarnsOfACageWithoutExtent) {
   Cage cage = withFaces(4, {{0, 1, 2, 3}});
   EXPECT_EQ(checked(cage).warnings, "");
   cage.positions.assign(4, {1, 2, 3});
   EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "position", "\n"}));
 }
 
-TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces)
-{
+TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces) {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "1 edge", " 1 ", " 2 ", "3 faces"}));
   EXPECT_TRUE(result.cage.holes.empty());
 }
 
-TEST(CageValidation, WarnsOfFacesWithOppositeOrientation)
-{
+TEST(CageValidation, WarnsOfFacesWithOppositeOrientation) {
   const Checked result = checked(withFaces(4, {{0, 1, 2}, {0, 1, 3}}));
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "1 edge", " 1 ", " 2 ", "2 faces"}));
 }
 
-TEST(CageValidation, RejectsRepeatedVertices)
-{
+TEST(CageValidation, RejectsRepeatedVertices) {
   EXPECT_TRUE(containsInOrder(errorOf(withFaces(3, {{0, 1, 1}})), {"test: ", "face 1 ", "vertex 2 "}));
 }
 
-TEST(CageValidation, CutsOutLargeFaces)
-{
+TEST(CageValidation, CutsOutLargeFaces) {
   std::vector<unsigned> ring(17);
-  for (unsigned i = 0; i < 17; i++)
-    ring[i] = i;
+  for (unsigned i = 0; i < 17; i++) ring[i] = i;
   const Checked result = checked(withFaces(18, {{1, 0, 17}, ring}));
   EXPECT_EQ(result.cage.holes, (std::vector<unsigned>{1}));
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "face 2 ", " 17 ", " 16"}));
@@ -117,8 +93,7 @@ TEST(CageValidation, CutsOutLargeFaces)
   EXPECT_TRUE(containsInOrder(errorOf(withFaces(17, {ring})), {"test: ", " 16 ", " 1024 "}));
 }
 
-TEST(CageValidation, RepeatedHolesCountOnce)
-{
+TEST(CageValidation, RepeatedHolesCountOnce) {
   Cage cage = withFaces(6, {{0, 1, 2, 3}, {1, 4, 5, 2}});
   cage.holes = {0, 0};
   EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "1 hole", "face 1:"}));
@@ -126,8 +101,7 @@ TEST(CageValidation, RepeatedHolesCountOnce)
   EXPECT_TRUE(containsInOrder(errorOf(cage), {"test: ", " 16 ", " 1024 "}));
 }
 
-TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
-{
+TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany) {
   std::vector<std::vector<unsigned>> faces = fan(1025);
   faces.push_back({2, 1, 1026});
   const Checked result = checked(withFaces(1027, faces));
@@ -137,8 +111,7 @@ TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
   EXPECT_EQ(checked(withFaces(1025, fan(1024))).warnings, "");
   for (std::vector<unsigned> face : fan(1030)) // a second fan
   {
-    for (unsigned& v : face)
-      v += 1027;
+    for (unsigned& v : face) v += 1027;
     faces.push_back(face);
   }
   const std::string both = checked(withFaces(2058, faces)).warnings;
@@ -146,30 +119,25 @@ TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
   EXPECT_EQ(linesOf(both), 1);
 }
 
-TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree)
-{
+TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree) {
   std::vector<std::vector<unsigned>> fins; // 70 triangles at one edge; each of them has a vertex of its own
-  for (unsigned i = 0; i < 70; i++)
-    fins.push_back({0, 1, 2 + i});
+  for (unsigned i = 0; i < 70; i++) fins.push_back({0, 1, 2 + i});
   const Checked result = checked(withFaces(72, fins));
   EXPECT_TRUE(result.cage.holes.empty());
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "1 edge", " 1 ", " 2 ", "70 faces"}));
 }
 
-TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge)
-{
+TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge) {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {0, 3, 4}}));
   EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "manifold", "1 vertex", "vertex 1 "}));
   EXPECT_EQ(linesOf(result.warnings), 1);
 }
 
 /* Four quads around vertex 4, with creases at it. */
-Cage creasedQuads(const std::vector<float>& sharpness)
-{
+Cage creasedQuads(const std::vector<float>& sharpness) {
   Cage cage = withFaces(9, {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 7, 6}, {4, 5, 8, 7}});
   const std::pair<unsigned, unsigned> edges[] = {{1, 4}, {4, 7}, {3, 4}, {4, 5}};
-  for (size_t i = 0; i < sharpness.size(); i++)
-  {
+  for (size_t i = 0; i < sharpness.size(); i++) {
     cage.creaseEdges.push_back(edges[i]);
     cage.creaseSharpness.push_back(sharpness[i]);
   }
@@ -177,28 +145,24 @@ Cage creasedQuads(const std::vector<float>& sharpness)
 }
 
 /* n x n quads, without what is at the border of the unit squares. */
-Cage quads(unsigned n)
-{
+Cage quads(unsigned n) {
   std::vector<std::vector<unsigned>> faces;
   for (unsigned y = 0; y < n; y++)
-    for (unsigned x = 0; x < n; x++)
-    {
+    for (unsigned x = 0; x < n; x++) {
       const unsigned v = y * (n + 1) + x;
       faces.push_back({v, v + 1, v + n + 2, v + n + 1});
     }
   return withFaces((n + 1) * (n + 1), faces);
 }
 
-void crease(Cage& cage, unsigned face, float sharpness)
-{
+void crease(Cage& cage, unsigned face, float sharpness) {
   for (unsigned i = 0; i < 4; i++)
     cage.creaseEdges.push_back({cage.faceIndices[4 * face + i], cage.faceIndices[4 * face + (i + 1) % 4]});
   cage.creaseSharpness.assign(cage.creaseEdges.size(), sharpness);
 }
 
 /* See docs/opensubdiv.md. With an infinite crease around a hole, both programs agree. */
-TEST(CageValidation, WarnsOfHolesThatOpenSubdivSmooths)
-{
+TEST(CageValidation, WarnsOfHolesThatOpenSubdivSmooths) {
   Cage cage = quads(5);
   EXPECT_EQ(checked(cage).warnings, "");
   cage.holes = {6};
@@ -219,8 +183,7 @@ TEST(CageValidation, WarnsOfHolesThatOpenSubdivSmooths)
 }
 
 /* Counted by Embree's hits in a sheet of 6 x 6: of 16 faces within, a hole leaves 7. */
-TEST(CageValidation, WarnsOfFacesThatVanishWithoutBoundary)
-{
+TEST(CageValidation, WarnsOfFacesThatVanishWithoutBoundary) {
   Cage cage = quads(6);
   cage.boundary = BoundaryRule::None;
   EXPECT_EQ(checked(cage).warnings, "") << "OpenSubdiv leaves out the same faces";
@@ -230,13 +193,11 @@ TEST(CageValidation, WarnsOfFacesThatVanishWithoutBoundary)
   EXPECT_EQ(linesOf(checked(holed).warnings), 1);
   for (unsigned y = 0; y < 6; y++)
     for (unsigned x = 0; x < 6; x++)
-      if (x == 0 || y == 0 || x == 5 || y == 5)
-        crease(cage, 6 * y + x, INFINITY);
+      if (x == 0 || y == 0 || x == 5 || y == 5) crease(cage, 6 * y + x, INFINITY);
   EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "20 faces", "rule 0"}));
 }
 
-TEST(CageValidation, IgnoresCreasesWithoutEdge)
-{
+TEST(CageValidation, IgnoresCreasesWithoutEdge) {
   Cage cage = creasedQuads({2.0f, 2.0f});
   cage.creaseEdges.insert(cage.creaseEdges.begin(), {{4, 0}, {5, 8}, {6, 2}});
   cage.creaseSharpness.insert(cage.creaseSharpness.begin(), {1.0f, 3.0f, 4.0f});
@@ -247,8 +208,7 @@ TEST(CageValidation, IgnoresCreasesWithoutEdge)
   EXPECT_EQ(result.cage.creaseSharpness, (std::vector<float>{3.0f, 2.0f, 2.0f}));
 }
 
-TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
-{
+TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers) {
   const auto isNamed = [](const Cage& cage) {
     const std::vector<unsigned> vertices = findVerticesWithDifferentCreaseRules(cage);
     return std::find(vertices.begin(), vertices.end(), 4u) != vertices.end();
@@ -271,5 +231,4 @@ TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
   EXPECT_FALSE(isNamed(chaikin)) << "Embree's own rule";
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

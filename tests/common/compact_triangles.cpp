@@ -15,11 +15,9 @@
 #include <cmath>
 #include <limits>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-BuildSettings atLevel(int level)
-{
+BuildSettings atLevel(int level) {
   BuildSettings settings;
   settings.level = level;
   settings.threads = 1;
@@ -29,35 +27,29 @@ BuildSettings atLevel(int level)
 /* Both of Embree's kernels use the same method, but round differently. Errors of floats grow by the ratio of distances,
  * below 6, to edges of quads, 1/16, and by the reciprocal cosine of the angle of incidence. None of these rays is at an
  * edge, where either triangle would be valid. */
-void expectSameHits(const BuiltScene& expected, const BuiltScene& actual, const std::vector<Ray>& rays)
-{
+void expectSameHits(const BuiltScene& expected, const BuiltScene& actual, const std::vector<Ray>& rays) {
   const std::vector<SurfaceHit> a = traceClosest(expected, rays, 1), b = traceClosest(actual, rays, 1);
   size_t hits = 0, others = 0;
   double distance = 0, parameters = 0; // largest differences, multiplied by the cosine
-  for (size_t i = 0; i < rays.size(); i++)
-  {
+  for (size_t i = 0; i < rays.size(); i++) {
     hits += a[i].hit();
     others += a[i].hit() != b[i].hit() || (a[i].hit() && a[i].face != b[i].face);
     if (!a[i].hit() || !b[i].hit()) continue;
-    const double cosine = std::fabs(dot(a[i].normal, rays[i].direction))/length(a[i].normal);
-    distance = std::max(distance, cosine*std::fabs(double(a[i].t) - b[i].t)/a[i].t);
-    parameters = std::max({parameters, cosine*std::fabs(double(a[i].u) - b[i].u),
-                           cosine*std::fabs(double(a[i].v) - b[i].v)});
+    const double cosine = std::fabs(dot(a[i].normal, rays[i].direction)) / length(a[i].normal);
+    distance = std::max(distance, cosine * std::fabs(double(a[i].t) - b[i].t) / a[i].t);
+    parameters = std::max(
+        {parameters, cosine * std::fabs(double(a[i].u) - b[i].u), cosine * std::fabs(double(a[i].v) - b[i].v)});
   }
   EXPECT_GT(hits, rays.size() / 5);
   EXPECT_EQ(others, 0u);
-  const double rounding = 6*16*std::numeric_limits<float>::epsilon();
+  const double rounding = 6 * 16 * std::numeric_limits<float>::epsilon();
   EXPECT_LE(distance, rounding);
   EXPECT_LE(parameters, rounding);
 }
 
-std::vector<Ray> raysAtCube()
-{
-  return primaryRays(Camera({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 40.0f, {101, 97}));
-}
+std::vector<Ray> raysAtCube() { return primaryRays(Camera({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 40.0f, {101, 97})); }
 
-TEST(CompactTriangles, HitsAreNaivesInLessMemory)
-{
+TEST(CompactTriangles, HitsAreNaivesInLessMemory) {
   const Model model = makeCube();
   const BuiltScene naive(model, {RepresentationKind::Naive}, atLevel(5));
   const BuiltScene compact(model, {RepresentationKind::NaiveCompact}, atLevel(5));
@@ -69,8 +61,7 @@ TEST(CompactTriangles, HitsAreNaivesInLessMemory)
   expectSameHits(naive, compact, raysAtCube());
 }
 
-TEST(CompactTriangles, FiltersDoNotReplaceTheCompactMode)
-{
+TEST(CompactTriangles, FiltersDoNotReplaceTheCompactMode) {
   BuildSettings settings = atLevel(2);
   settings.filters = true;
   const BuiltScene scene(makeCube(), {RepresentationKind::NaiveCompact}, settings);
@@ -78,12 +69,10 @@ TEST(CompactTriangles, FiltersDoNotReplaceTheCompactMode)
 }
 
 /* For a mesh, GRID is Embree's kernel for its quads or triangles. */
-TEST(CompactTriangles, MeshesHaveEmbreesKernelInCompactMode)
-{
+TEST(CompactTriangles, MeshesHaveEmbreesKernelInCompactMode) {
   const BuiltScene cage(makeCube(), {RepresentationKind::CVert}, atLevel(5));
   const StoredMesh stored = cage.storedMesh();
-  for (const bool asTriangles : {false, true})
-  {
+  for (const bool asTriangles : {false, true}) {
     SCOPED_TRACE(asTriangles ? "triangles" : "quads");
     Model mesh;
     mesh.isMesh = true;
@@ -91,8 +80,7 @@ TEST(CompactTriangles, MeshesHaveEmbreesKernelInCompactMode)
     for (const std::array<unsigned, 4>& q : stored.quads)
       if (asTriangles)
         mesh.cage.faceIndices.insert(mesh.cage.faceIndices.end(), {q[0], q[1], q[3], q[3], q[1], q[2], q[3], q[3]});
-      else
-        mesh.cage.faceIndices.insert(mesh.cage.faceIndices.end(), q.begin(), q.end());
+      else mesh.cage.faceIndices.insert(mesh.cage.faceIndices.end(), q.begin(), q.end());
     mesh.cage.faceSizes.assign(mesh.cage.faceIndices.size() / 4, 4);
     const BuiltScene embree(mesh, {RepresentationKind::Grid}, atLevel(0));
     const BuiltScene compact(mesh, {RepresentationKind::NaiveCompact}, atLevel(0));
@@ -102,5 +90,4 @@ TEST(CompactTriangles, MeshesHaveEmbreesKernelInCompactMode)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -17,12 +17,10 @@
 #include <sstream>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* Two adjacent quads with one atlas: face 0 left, face 1 right. */
-Cage twoQuads()
-{
+Cage twoQuads() {
   Cage cage;
   cage.name = "two";
   cage.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
@@ -33,18 +31,15 @@ Cage twoQuads()
   return cage;
 }
 
-HeightMap ramp(int size)
-{
+HeightMap ramp(int size) {
   HeightMap map(size, size);
   for (int y = 0; y < size; y++)
-    for (int x = 0; x < size; x++)
-      map.at(x, y) = std::sin(0.7f * float(x)) * std::cos(0.3f * float(y));
+    for (int x = 0; x < size; x++) map.at(x, y) = std::sin(0.7f * float(x)) * std::cos(0.3f * float(y));
   return map;
 }
 
 /* Heights of a map, read with the default settings. */
-std::unique_ptr<Displacement> displaced(const Cage& cage, const std::string& path, float scale)
-{
+std::unique_ptr<Displacement> displaced(const Cage& cage, const std::string& path, float scale) {
   DisplacementMap map;
   map.path = path;
   map.scale = scale;
@@ -52,8 +47,7 @@ std::unique_ptr<Displacement> displaced(const Cage& cage, const std::string& pat
   return displaceByMap(cage, map, warnings);
 }
 
-std::string warningsOf(const Cage& cage, const std::string& path)
-{
+std::string warningsOf(const Cage& cage, const std::string& path) {
   DisplacementMap map;
   map.path = path;
   std::string warnings;
@@ -61,66 +55,51 @@ std::string warningsOf(const Cage& cage, const std::string& path)
   return warnings;
 }
 
-std::string errorOf(const Cage& cage, const std::string& path)
-{
-  try
-  {
+std::string errorOf(const Cage& cage, const std::string& path) {
+  try {
     displaced(cage, path, 1.0f);
-  }
-  catch (const Error& e)
-  {
-    return e.what();
-  }
+  } catch (const Error& e) { return e.what(); }
   return "";
 }
 
-Cage withoutUVs(Cage cage)
-{
+Cage withoutUVs(Cage cage) {
   cage.uvs.clear();
   cage.uvIndices.clear();
   return cage;
 }
 
-float offset(const Displacement& d, unsigned face, float u, float v, int level = finestLevel)
-{
+float offset(const Displacement& d, unsigned face, float u, float v, int level = finestLevel) {
   float result;
   d.offsets({face, level, 1, &u, &v}, &result);
   return result;
 }
 
 /* Maps in files, in a folder that is removed at the end. */
-class Displacing : public testing::Test
-{
+class Displacing : public testing::Test {
 protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     folder = std::filesystem::temp_directory_path() / ("cbvh_displacement_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder);
   }
   void TearDown() override { std::filesystem::remove_all(folder); }
 
-  std::string path(const HeightMap& map, const std::string& name = "map.exr")
-  {
+  std::string path(const HeightMap& map, const std::string& name = "map.exr") {
     map.write((folder / name).string());
     return (folder / name).string();
   }
 
   /* A TIFF with one page per face. */
-  std::string pages(const std::vector<HeightMap>& maps)
-  {
+  std::string pages(const std::vector<HeightMap>& maps) {
     const std::string file = (folder / "pages.tif").string();
     const auto output = OIIO::ImageOutput::create(file);
     std::vector<OIIO::ImageSpec> specs;
-    for (const HeightMap& map : maps)
-      specs.emplace_back(map.width(), map.height(), 1, OIIO::TypeDesc::FLOAT);
-    for (size_t i = 0; i < maps.size(); i++)
-    {
+    for (const HeightMap& map : maps) specs.emplace_back(map.width(), map.height(), 1, OIIO::TypeDesc::FLOAT);
+    for (size_t i = 0; i < maps.size(); i++) {
       EXPECT_TRUE(i == 0 ? output->open(file, int(specs.size()), specs.data())
                          : output->open(file, specs[i], OIIO::ImageOutput::AppendSubimage));
       std::vector<float> texels;
       for (int y = 0; y < maps[i].height(); y++)
-        for (int x = 0; x < maps[i].width(); x++)
-          texels.push_back(maps[i].at(x, y));
+        for (int x = 0; x < maps[i].width(); x++) texels.push_back(maps[i].at(x, y));
       EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, texels.data()));
     }
     output->close();
@@ -130,18 +109,15 @@ protected:
   std::filesystem::path folder;
 };
 
-HeightMap flat(int size, float height)
-{
+HeightMap flat(int size, float height) {
   HeightMap map(size, size);
   for (int y = 0; y < size; y++)
-    for (int x = 0; x < size; x++)
-      map.at(x, y) = height;
+    for (int x = 0; x < size; x++) map.at(x, y) = height;
   return map;
 }
 
 /* A closed prism over a pentagon, without texture coordinates. Its top consists of a triangle and a quad. */
-Cage mixedCage()
-{
+Cage mixedCage() {
   Cage cage;
   cage.name = "mixed";
   for (float z : {0.0f, 1.0f})
@@ -153,26 +129,23 @@ Cage mixedCage()
 }
 
 /* Every point of every border, from all of its faces. */
-void expectClosed(const Cage& cage, const Displacement& d, int level)
-{
+void expectClosed(const Cage& cage, const Displacement& d, int level) {
   const FaceBorders borders(cage);
   const int n = 1 << level;
   for (unsigned face = 0; face < cage.numFaces(); face++)
     for (unsigned edge = 0; edge < cage.faceSizes[face]; edge++)
-      for (int i = 0; i <= n; i++)
-      {
+      for (int i = 0; i <= n; i++) {
         const float t = float(i) / float(n);
         const FacePoint here = borders.point(face, edge, t);
         const FaceBorders::Side other = borders.opposite(face, edge);
         ASSERT_NE(other.face, ~0u);
         const FacePoint there = borders.point(other.face, other.edge, 1.0f - t);
         ASSERT_EQ(offset(d, face, here.u, here.v, level), offset(d, there.face, there.u, there.v, level))
-          << "face " << face << " edge " << edge << " at " << t;
+            << "face " << face << " edge " << edge << " at " << t;
       }
 }
 
-TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeAreClosed)
-{
+TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeAreClosed) {
   const Cage cage = twoQuads();
   const auto d = displaced(cage, path(ramp(64)), 2.0f);
   for (int level : {3, 5, 8})
@@ -180,38 +153,31 @@ TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeAreClosed)
       EXPECT_EQ(offset(*d, 0, 1.0f, float(i) / 256, level), offset(*d, 1, 0.0f, float(i) / 256, level)) << i;
 }
 
-TEST_F(Displacing, SeamsOfAnAtlasAreClosed)
-{
+TEST_F(Displacing, SeamsOfAnAtlasAreClosed) {
   Cage cage = mixedCage(); // every face is a separate square: all edges are seams
   for (unsigned face = 0; face < cage.numFaces(); face++)
-    for (unsigned i = 0; i < cage.faceSizes[face]; i++)
-    {
+    for (unsigned i = 0; i < cage.faceSizes[face]; i++) {
       const float angle = 6.2832f * float(i) / float(cage.faceSizes[face]);
       cage.uvIndices.push_back(unsigned(cage.uvs.size()));
       cage.uvs.push_back({0.1f * float(face) + 0.04f * std::cos(angle), 0.5f + 0.3f * std::sin(angle)});
     }
   const auto d = displaced(cage, path(ramp(64)), 2.0f);
-  for (int level : {1, 3, 6})
-    expectClosed(cage, *d, level);
+  for (int level : {1, 3, 6}) expectClosed(cage, *d, level);
 }
 
-TEST_F(Displacing, OneMapOnEveryFaceIsClosed)
-{
+TEST_F(Displacing, OneMapOnEveryFaceIsClosed) {
   const Cage cage = mixedCage();
   const auto d = displaced(cage, path(ramp(32)), 2.0f);
   const std::string map = path(ramp(32));
   EXPECT_TRUE(containsInOrder(warningsOf(cage, map), {map, "border"}));
-  for (int level : {1, 3, 6})
-    expectClosed(cage, *d, level);
+  for (int level : {1, 3, 6}) expectClosed(cage, *d, level);
   EXPECT_EQ(warningsOf(cage, path(flat(8, 0.25f))), "");
 }
 
-TEST_F(Displacing, ImagePerFaceIsReadAndClosed)
-{
+TEST_F(Displacing, ImagePerFaceIsReadAndClosed) {
   const Cage cage = mixedCage();
   std::vector<HeightMap> maps; // 5 for the pentagon, 3 for the triangle
-  for (int i = 0; i < 14; i++)
-    maps.push_back(flat(8, float(i)));
+  for (int i = 0; i < 14; i++) maps.push_back(flat(8, float(i)));
   EXPECT_EQ(warningsOf(cage, pages(maps)), "");
   const auto d = displaced(cage, pages(maps), 1.0f);
   EXPECT_EQ(offset(*d, 0, 2.0f * 3 + 0.5f + 0.4f, 0.7f), 3.0f - neutralHeight) << "fourth corner of the pentagon";
@@ -223,13 +189,11 @@ TEST_F(Displacing, ImagePerFaceIsReadAndClosed)
 }
 
 /* An image of some channels, with the same value in all texels. */
-std::string constantImage(const std::filesystem::path& file, const std::vector<float>& color, OIIO::TypeDesc type)
-{
+std::string constantImage(const std::filesystem::path& file, const std::vector<float>& color, OIIO::TypeDesc type) {
   const auto output = OIIO::ImageOutput::create(file.string());
   OIIO::ImageSpec spec(8, 8, int(color.size()), type);
   std::vector<float> texels;
-  for (int i = 0; i < 64; i++)
-    texels.insert(texels.end(), color.begin(), color.end());
+  for (int i = 0; i < 64; i++) texels.insert(texels.end(), color.begin(), color.end());
   spec.attribute("oiio:UnassociatedAlpha", 1); // unassociated alpha: colors are not multiplied
   EXPECT_TRUE(output->open(file.string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) &&
               output->close());
@@ -237,15 +201,13 @@ std::string constantImage(const std::filesystem::path& file, const std::vector<f
 }
 
 /* The two quads, the right one on the next tile. */
-Cage quadsOnTiles()
-{
+Cage quadsOnTiles() {
   Cage cage = twoQuads();
   cage.uvs = {{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}};
   return cage;
 }
 
-TEST_F(Displacing, UdimTileIsChosenByTheCenterOfAFace)
-{
+TEST_F(Displacing, UdimTileIsChosenByTheCenterOfAFace) {
   const Cage cage = quadsOnTiles();
   path(flat(8, 0.75f), "skin.1001.exr");
   path(flat(8, 1.5f), "skin.1002.exr");
@@ -262,19 +224,17 @@ TEST_F(Displacing, UdimTileIsChosenByTheCenterOfAFace)
   }
 }
 
-TEST_F(Displacing, UdimTilesCanBeNamedInSeveralWays)
-{
+TEST_F(Displacing, UdimTilesCanBeNamedInSeveralWays) {
   const std::pair<const char*, std::pair<const char*, const char*>> spellings[] = {
-    {"skin.<UDIM>.exr", {"skin.1001.exr", "skin.1002.exr"}},
-    {"skin.<udim>.exr", {"skin.1001.exr", "skin.1002.exr"}},
-    {"skin.%(UDIM)d.exr", {"skin.1001.exr", "skin.1002.exr"}},
-    {"skin_<UVTILE>.exr", {"skin_u1_v1.exr", "skin_u2_v1.exr"}},
-    {"skin_<uvtile>.exr", {"skin_u0_v0.exr", "skin_u1_v0.exr"}},
-    {"<U>_<V>.exr", {"u1_v1.exr", "u2_v1.exr"}},
-    {"<u>_<v>.exr", {"u0_v0.exr", "u1_v0.exr"}},
-    {"<UDIM>_<UDIM>.exr", {"1001_1001.exr", "1002_1002.exr"}}};
-  for (const auto& [spelling, files] : spellings)
-  {
+      {"skin.<UDIM>.exr", {"skin.1001.exr", "skin.1002.exr"}},
+      {"skin.<udim>.exr", {"skin.1001.exr", "skin.1002.exr"}},
+      {"skin.%(UDIM)d.exr", {"skin.1001.exr", "skin.1002.exr"}},
+      {"skin_<UVTILE>.exr", {"skin_u1_v1.exr", "skin_u2_v1.exr"}},
+      {"skin_<uvtile>.exr", {"skin_u0_v0.exr", "skin_u1_v0.exr"}},
+      {"<U>_<V>.exr", {"u1_v1.exr", "u2_v1.exr"}},
+      {"<u>_<v>.exr", {"u0_v0.exr", "u1_v0.exr"}},
+      {"<UDIM>_<UDIM>.exr", {"1001_1001.exr", "1002_1002.exr"}}};
+  for (const auto& [spelling, files] : spellings) {
     SCOPED_TRACE(spelling);
     path(flat(8, 0.75f), files.first);
     path(flat(8, 1.5f), files.second);
@@ -289,8 +249,7 @@ TEST_F(Displacing, UdimTilesCanBeNamedInSeveralWays)
   }
 }
 
-TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError)
-{
+TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError) {
   std::istringstream stream("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\nf 1 3 4\nf 1 2 4\n");
   std::string warnings;
   const Cage cage = readObj(stream, "body.obj", warnings);
@@ -298,8 +257,7 @@ TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError)
   EXPECT_TRUE(containsInOrder(errorOf(cage, map), {"body.obj:7: ", "texture coordinates", map, " 2 ", " 3 "}));
 }
 
-TEST_F(Displacing, MissingTexelsDoNotDisplace)
-{
+TEST_F(Displacing, MissingTexelsDoNotDisplace) {
   const std::string file = constantImage(folder / "missing.exr", {NAN, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
   DisplacementMap map;
   map.path = file;
@@ -320,39 +278,37 @@ TEST_F(Displacing, MissingTexelsDoNotDisplace)
   EXPECT_EQ(length(moved), 0.0f) << "a vector with a missing channel";
 }
 
-TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
-{
+TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced) {
   path(flat(8, 0.75f), "skin.1001.exr");
   const std::string skin = (folder / "skin.<UDIM>.exr").string();
   EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), skin), {skin, "1002", "1 face", "two"}));
   EXPECT_FLOAT_EQ(offset(*displaced(quadsOnTiles(), skin, 1.0f), 1, 0.5f, 0.5f), 0.0f);
   const std::string hide = (folder / "hide.<UDIM>.exr").string();
   EXPECT_TRUE(containsInOrder(errorOf(quadsOnTiles(), hide), {hide, "two", "1002"}));
-  for (const Vec2f& move : {Vec2f{0, -1}, Vec2f{-5, 0}})
-  {
+  for (const Vec2f& move : {Vec2f{0, -1}, Vec2f{-5, 0}}) {
     Cage outside = quadsOnTiles();
-    for (Vec2f& uv : outside.uvs)
-      uv = {uv.x + move.x, uv.y + move.y};
+    for (Vec2f& uv : outside.uvs) uv = {uv.x + move.x, uv.y + move.y};
     EXPECT_TRUE(containsInOrder(errorOf(outside, skin), {skin, "two", "outside", " 0 ", " 10 "}));
   }
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
 }
 
-TEST_F(Displacing, MissingTilesAreNamedWithTheSpellingThatExists)
-{
+TEST_F(Displacing, MissingTilesAreNamedWithTheSpellingThatExists) {
   const auto errorFor = [&](const std::string& name) { return errorOf(quadsOnTiles(), (folder / name).string()); };
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
-  EXPECT_TRUE(containsInOrder(errorFor("skin_<uvtile>.exr"),
-                              {in("skin_<uvtile>.exr"), "1002", in("skin_u1_v0.exr"), "<UDIM> is 1002",
-                               "<UVTILE> is u2_v1", "<uvtile> is u1_v0"}));
+  EXPECT_TRUE(
+      containsInOrder(errorFor("skin_<uvtile>.exr"), {in("skin_<uvtile>.exr"), "1002", in("skin_u1_v0.exr"),
+                                                      "<UDIM> is 1002", "<UVTILE> is u2_v1", "<uvtile> is u1_v0"}));
   EXPECT_TRUE(containsInOrder(errorFor("skin_u<U>_v<V>.exr"), {"1002", in("skin_uu2_vv1.exr")}));
   const std::pair<const char*, std::vector<std::pair<const char*, const char*>>> existing[] = {
-    {"skin_u2_v1.exr", {{"skin_<uvtile>.exr", "skin_<UVTILE>.exr"}, {"skin_<UDIM>.exr", "skin_<UVTILE>.exr"},
-                        {"skin_u<U>_v<V>.exr", "skin_<U>_<V>.exr"}, {"skin_<u>_<v>.exr", "skin_<UVTILE>.exr"}}},
-    {"skin_u1_v0.exr", {{"skin_<UVTILE>.exr", "skin_<uvtile>.exr"}, {"skin_u<u>_v<v>.exr", "skin_<u>_<v>.exr"}}},
-    {"skin_1002.exr", {{"skin_<UVTILE>.exr", "skin_<UDIM>.exr"}, {"skin_<uvtile>.exr", "skin_<UDIM>.exr"}}}};
-  for (const auto& [file, spellings] : existing)
-  {
+      {"skin_u2_v1.exr",
+       {{"skin_<uvtile>.exr", "skin_<UVTILE>.exr"},
+        {"skin_<UDIM>.exr", "skin_<UVTILE>.exr"},
+        {"skin_u<U>_v<V>.exr", "skin_<U>_<V>.exr"},
+        {"skin_<u>_<v>.exr", "skin_<UVTILE>.exr"}}},
+      {"skin_u1_v0.exr", {{"skin_<UVTILE>.exr", "skin_<uvtile>.exr"}, {"skin_u<u>_v<v>.exr", "skin_<u>_<v>.exr"}}},
+      {"skin_1002.exr", {{"skin_<UVTILE>.exr", "skin_<UDIM>.exr"}, {"skin_<uvtile>.exr", "skin_<UDIM>.exr"}}}};
+  for (const auto& [file, spellings] : existing) {
     path(flat(8, 0.75f), file);
     for (const auto& [given, expected] : spellings)
       EXPECT_TRUE(containsInOrder(errorFor(given), {in(given), "1002", in(file) + " exists", in(expected)})) << given;
@@ -360,30 +316,26 @@ TEST_F(Displacing, MissingTilesAreNamedWithTheSpellingThatExists)
   }
   path(flat(8, 0.75f), "skin_u1_v1.exr"); // tile 1001 from 1, tile 1012 from 0
   path(flat(8, 0.75f), "skin_u1_v0.exr");
-  EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), in("skin_<uvtile>.exr")),
-                              {"1001", in("skin_u0_v0.exr"), "1 face", in("skin_u1_v1.exr") + " exists",
-                               in("skin_<UVTILE>.exr")}));
+  EXPECT_TRUE(containsInOrder(
+      warningsOf(quadsOnTiles(), in("skin_<uvtile>.exr")),
+      {"1001", in("skin_u0_v0.exr"), "1 face", in("skin_u1_v1.exr") + " exists", in("skin_<UVTILE>.exr")}));
 }
 
-TEST_F(Displacing, FileWithAPlaceholderInItsNameIsOneMap)
-{
+TEST_F(Displacing, FileWithAPlaceholderInItsNameIsOneMap) {
   const std::string skin = path(flat(8, 0.75f), "skin_<UDIM>.exr");
   path(flat(8, 1.5f), "skin_1002.exr");
   const auto d = displaced(quadsOnTiles(), skin, 1.0f);
-  for (unsigned face = 0; face < 2; face++)
-    EXPECT_FLOAT_EQ(offset(*d, face, 0.5f, 0.5f), 0.25f);
+  for (unsigned face = 0; face < 2; face++) EXPECT_FLOAT_EQ(offset(*d, face, 0.5f, 0.5f), 0.25f);
   EXPECT_EQ(offset(*displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), 1, 0.5f, 0.5f), 0.25f);
 }
 
-TEST_F(Displacing, OnlyTheFirstOfSeveralImagesIsReadByTextureCoordinates)
-{
+TEST_F(Displacing, OnlyTheFirstOfSeveralImagesIsReadByTextureCoordinates) {
   const std::string maps = pages({flat(8, 0.75f), flat(8, 1.5f)});
   EXPECT_TRUE(containsInOrder(warningsOf(twoQuads(), maps), {maps, " 2 images", "two", "first", "PART.CHANNEL"}));
   EXPECT_EQ(warningsOf(withoutUVs(twoQuads()), maps), "");
 }
 
-TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings)
-{
+TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings) {
   const std::string map = path(flat(8, 0.75f));
   EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), map), {"two", " 1001 ", " 1002", map, "<UDIM>"}));
   EXPECT_EQ(warningsOf(twoQuads(), map), "");
@@ -393,8 +345,7 @@ TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings)
   EXPECT_EQ(warningsOf(twoQuads(), gray), "");
 }
 
-TEST_F(Displacing, MidLevelAndChannelAreApplied)
-{
+TEST_F(Displacing, MidLevelAndChannelAreApplied) {
   DisplacementMap map;
   map.path = constantImage(folder / "color.exr", {0.1f, 0.2f, 0.4f}, OIIO::TypeDesc::FLOAT);
   map.scale = 2.0f;
@@ -402,26 +353,23 @@ TEST_F(Displacing, MidLevelAndChannelAreApplied)
   const auto here = [&] { return offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f); };
   EXPECT_FLOAT_EQ(here(), 2.0f * (0.1f - 0.5f));
   map.midLevel = 0.0f;
-  for (const auto& [channel, value] : {std::pair<const char*, float>{"G", 0.2f}, {"B", 0.4f}, {"1", 0.2f}, {"0", 0.1f}})
-  {
+  for (const auto& [channel, value] :
+       {std::pair<const char*, float>{"G", 0.2f}, {"B", 0.4f}, {"1", 0.2f}, {"0", 0.1f}}) {
     map.channel = channel;
     EXPECT_FLOAT_EQ(here(), 2.0f * value) << channel;
   }
-  for (const char* channel : {"A", "3", "-1", "2147483647", "green"})
-  {
+  for (const char* channel : {"A", "3", "-1", "2147483647", "green"}) {
     map.channel = channel;
     EXPECT_THROW(here(), Error) << channel;
   }
 }
 
-TEST_F(Displacing, AlphaIsNotMultipliedIn)
-{
+TEST_F(Displacing, AlphaIsNotMultipliedIn) {
   const std::string map = constantImage(folder / "alpha.png", {0.8f, 0.8f, 0.8f, 0.25f}, OIIO::TypeDesc::UINT16);
   EXPECT_NEAR(offset(*displaced(twoQuads(), map, 1.0f), 0, 0.5f, 0.5f), 0.8f - neutralHeight, 1e-4f);
 }
 
-TEST_F(Displacing, RepeatedMapsWrapAround)
-{
+TEST_F(Displacing, RepeatedMapsWrapAround) {
   DisplacementMap map;
   map.path = path(ramp(64));
   std::string warnings;
@@ -432,27 +380,23 @@ TEST_F(Displacing, RepeatedMapsWrapAround)
   EXPECT_NEAR(offset(*often, 0, 0.1f, 0.2f), offset(*once, 0, 0.4f, 0.4f), 1e-5f);
   EXPECT_NEAR(offset(*often, 0, 0.35f, 0.7f), offset(*often, 0, 0.1f, 0.2f), 1e-5f);
   Cage scaled = cage;
-  for (Vec2f& uv : scaled.uvs)
-    uv = {4 * uv.x, 2 * uv.y};
+  for (Vec2f& uv : scaled.uvs) uv = {4 * uv.x, 2 * uv.y};
   const auto byCoordinates = displaceByMap(cage, map, warnings);
   map.repeat = {1, 1};
   EXPECT_EQ(offset(*byCoordinates, 0, 0.3f, 0.6f, 5), offset(*displaceByMap(scaled, map, warnings), 0, 0.3f, 0.6f, 5));
 }
 
-Vec3f vectorAt(const Displacement& d, unsigned face, float u, float v, Vec3f normal)
-{
+Vec3f vectorAt(const Displacement& d, unsigned face, float u, float v, Vec3f normal) {
   Vec3f result;
   d.vectors({face, finestLevel, 1, &u, &v}, &normal, &result);
   return result;
 }
 
-void expectVector(Vec3f found, Vec3f expected)
-{
+void expectVector(Vec3f found, Vec3f expected) {
   EXPECT_NEAR(length(found - expected), 0.0f, 1e-5f) << found.x << ", " << found.y << ", " << found.z;
 }
 
-TEST_F(Displacing, VectorsAreInTheFrameOfTheCageOrOfItsTexture)
-{
+TEST_F(Displacing, VectorsAreInTheFrameOfTheCageOrOfItsTexture) {
   DisplacementMap map;
   map.path = constantImage(folder / "vectors.exr", {0.1f, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
   map.scale = 2.0f;
@@ -468,24 +412,20 @@ TEST_F(Displacing, VectorsAreInTheFrameOfTheCageOrOfItsTexture)
   cage.uvs = {{0, 0}, {0.5f, 0}, {1, 0}, {0, 1}, {0.5f, 1}, {1, 1}};
   expectVector(vectorAt(*displaceByMap(cage, map, warnings), 0, 0.4f, 0.7f, up), {0.2f, -0.6f, 0.4f});
   Cage turnedCage = cage; // texture coordinates rotated by 90 degrees: u along y, v along -x
-  for (Vec2f& uv : turnedCage.uvs)
-    uv = {uv.y, 1 - uv.x};
+  for (Vec2f& uv : turnedCage.uvs) uv = {uv.y, 1 - uv.x};
   expectVector(vectorAt(*displaceByMap(turnedCage, map, warnings), 1, 0.4f, 0.7f, up), {0.6f, 0.2f, 0.4f});
   Cage mirrored = cage; // u along -x
-  for (Vec2f& uv : mirrored.uvs)
-    uv = {1 - uv.x, uv.y};
+  for (Vec2f& uv : mirrored.uvs) uv = {1 - uv.x, uv.y};
   expectVector(vectorAt(*displaceByMap(mirrored, map, warnings), 0, 0.4f, 0.7f, up), {-0.2f, -0.6f, 0.4f});
   EXPECT_THROW(displaceByMap(withoutUVs(cage), map, warnings), Error);
   map.channel = "1";
   EXPECT_THROW(displaceByMap(cage, map, warnings), Error) << "two channels are not enough";
 }
 
-TEST_F(Displacing, VectorsAreClosedOnSeams)
-{
+TEST_F(Displacing, VectorsAreClosedOnSeams) {
   Cage cage = mixedCage();
   for (unsigned face = 0; face < cage.numFaces(); face++) // every face is a separate square, some of them mirrored
-    for (unsigned i = 0; i < cage.faceSizes[face]; i++)
-    {
+    for (unsigned i = 0; i < cage.faceSizes[face]; i++) {
       const float angle = (face % 2 ? 6.2832f : -6.2832f) * float(i) / float(cage.faceSizes[face]);
       cage.uvIndices.push_back(unsigned(cage.uvs.size()));
       cage.uvs.push_back({0.1f * float(face) + 0.04f * std::cos(angle), 0.5f + 0.3f * std::sin(angle)});
@@ -499,8 +439,7 @@ TEST_F(Displacing, VectorsAreClosedOnSeams)
   const Vec3f normal = normalize(Vec3f{0.3f, 0.5f, 0.8f});
   for (unsigned face = 0; face < cage.numFaces(); face++)
     for (unsigned edge = 0; edge < cage.faceSizes[face]; edge++)
-      for (float t : {0.0f, 0.25f, 0.5f, 1.0f})
-      {
+      for (float t : {0.0f, 0.25f, 0.5f, 1.0f}) {
         const FaceBorders::Side other = borders.opposite(face, edge);
         const FacePoint a = borders.point(face, edge, t), b = borders.point(other.face, other.edge, 1 - t);
         const Vec3f x = vectorAt(*d, a.face, a.u, a.v, normal), y = vectorAt(*d, b.face, b.u, b.v, normal);
@@ -509,16 +448,14 @@ TEST_F(Displacing, VectorsAreClosedOnSeams)
 }
 
 /* Three quads at one edge; two of them traverse it in the same direction. */
-TEST_F(Displacing, EdgesOfThreeFacesAreClosed)
-{
+TEST_F(Displacing, EdgesOfThreeFacesAreClosed) {
   Cage cage;
   cage.name = "fin";
   cage.positions = {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}, {-1, 1, 0}, {-1, 0, 0}, {0, 1, 1}, {0, 0, 1}};
   cage.faceSizes = {4, 4, 4};
   cage.faceIndices = {0, 3, 2, 1, 0, 1, 4, 5, 0, 1, 6, 7};
   const auto d = displaced(cage, path(ramp(32)), 2.0f);
-  for (int i = 0; i <= 8; i++)
-  {
+  for (int i = 0; i <= 8; i++) {
     const float t = float(i) / 8;
     const float expected = offset(*d, 1, t, 0.0f, 3);
     EXPECT_EQ(offset(*d, 2, t, 0.0f, 3), expected) << t;
@@ -526,34 +463,29 @@ TEST_F(Displacing, EdgesOfThreeFacesAreClosed)
   }
 }
 
-TEST_F(Displacing, MapsAreFilteredToTheSpacing)
-{
+TEST_F(Displacing, MapsAreFilteredToTheSpacing) {
   HeightMap checker(256, 256); // too fine for coarse levels, which must sample its mean
   for (int y = 0; y < 256; y++)
-    for (int x = 0; x < 256; x++)
-      checker.at(x, y) = float((x + y) & 1);
+    for (int x = 0; x < 256; x++) checker.at(x, y) = float((x + y) & 1);
   Cage cage = twoQuads();
   cage.uvs = {{0, 0}, {0.5f, 0}, {1, 0}, {0, 1}, {0.5f, 1}, {1, 1}};
   const std::string file = path(checker);
   const auto byUVs = displaced(cage, file, 1.0f), byFace = displaced(withoutUVs(cage), file, 1.0f);
   const float texel = 100.5f / 256.0f;
-  for (const Displacement* d : {byUVs.get(), byFace.get()})
-  {
+  for (const Displacement* d : {byUVs.get(), byFace.get()}) {
     EXPECT_NEAR(offset(*d, 0, texel, texel, 3), 0.0f, 0.02f);
     EXPECT_GT(std::abs(offset(*d, 0, d == byUVs.get() ? 2 * texel - 0.4f : texel, texel, 9)), 0.05f);
   }
 }
 
-TEST_F(Displacing, IsIndependentOfThreadsAndOrder)
-{
+TEST_F(Displacing, IsIndependentOfThreadsAndOrder) {
   const Cage cage = twoQuads();
   const std::string file = path(ramp(512));
   const auto alone = displaced(cage, file, 1.0f), shared = displaced(cage, file, 1.0f);
   constexpr size_t n = 20000;
   std::vector<float> expected(n), got(n);
   const auto point = [](size_t i) { return Vec2f{float(i * 7919 % 4096) / 4096, float(i * 104729 % 4096) / 4096}; };
-  for (size_t i = 0; i < n; i++)
-    expected[i] = offset(*alone, i & 1, point(i).x, point(i).y, 6);
+  for (size_t i = 0; i < n; i++) expected[i] = offset(*alone, i & 1, point(i).x, point(i).y, 6);
   parallelFor(n, 16, 4, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; i++)
       got[n - 1 - i] = offset(*shared, (n - 1 - i) & 1, point(n - 1 - i).x, point(n - 1 - i).y, 6);
@@ -561,8 +493,7 @@ TEST_F(Displacing, IsIndependentOfThreadsAndOrder)
   EXPECT_EQ(expected, got);
 }
 
-TEST_F(Displacing, NeutralHeightMovesNothing)
-{
+TEST_F(Displacing, NeutralHeightMovesNothing) {
   const std::string map = path(flat(4, neutralHeight));
   const Cage cage = twoQuads();
   EXPECT_EQ(offset(*displaced(cage, map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
@@ -571,8 +502,7 @@ TEST_F(Displacing, NeutralHeightMovesNothing)
             0.0f);
 }
 
-TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)
-{
+TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads) {
   /* Height = s: the result is the first texture coordinate. */
   Cage triangle;
   triangle.name = "triangle";
@@ -583,56 +513,47 @@ TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)
   triangle.uvIndices = {0, 1, 2};
   HeightMap map(128, 16);
   for (int y = 0; y < 16; y++)
-    for (int x = 0; x < 128; x++)
-      map.at(x, y) = (float(x) + 0.5f) / 128.0f + neutralHeight;
+    for (int x = 0; x < 128; x++) map.at(x, y) = (float(x) + 0.5f) / 128.0f + neutralHeight;
   const auto d = displaced(triangle, path(map), 1.0f);
-  EXPECT_NEAR(offset(*d, 0, 0.5f, 0.5f), 0.2f, 1e-5f);  // corner 0
-  EXPECT_NEAR(offset(*d, 0, 1.5f, 0.5f), 0.5f, 1e-5f);  // center of its edge
-  EXPECT_NEAR(offset(*d, 0, 2.5f, 0.5f), 0.8f, 1e-5f);  // corner 1
-  EXPECT_NEAR(offset(*d, 0, 1.5f, 1.5f), 0.5f, 1e-5f);  // center of the face, from corner 0
-  EXPECT_NEAR(offset(*d, 0, 3.5f, 1.5f), 0.5f, 1e-5f);  // the same from corner 1
+  EXPECT_NEAR(offset(*d, 0, 0.5f, 0.5f), 0.2f, 1e-5f); // corner 0
+  EXPECT_NEAR(offset(*d, 0, 1.5f, 0.5f), 0.5f, 1e-5f); // center of its edge
+  EXPECT_NEAR(offset(*d, 0, 2.5f, 0.5f), 0.8f, 1e-5f); // corner 1
+  EXPECT_NEAR(offset(*d, 0, 1.5f, 1.5f), 0.5f, 1e-5f); // center of the face, from corner 0
+  EXPECT_NEAR(offset(*d, 0, 3.5f, 1.5f), 0.5f, 1e-5f); // the same from corner 1
 }
 
-TEST(FaceAtlas, TilesAgreeOnBordersAtEveryLevel)
-{
+TEST(FaceAtlas, TilesAgreeOnBordersAtEveryLevel) {
   const Cage cube = makeCube().cage;
   const FaceAtlas atlas = FaceAtlas::forFaces(cube.numFaces(), 16);
   HeightMap map(atlas.columns(), atlas.rows(cube.numFaces()));
   for (int y = 0; y < map.height(); y++)
-    for (int x = 0; x < map.width(); x++)
-      map.at(x, y) = std::sin(0.37f * float(x * x) + 1.7f * float(y));
+    for (int x = 0; x < map.width(); x++) map.at(x, y) = std::sin(0.37f * float(x * x) + 1.7f * float(y));
   const auto d = displaceByAtlas(cube, atlas, map, 1.0f);
   for (int level : {0, 1, 2, 3}) // the tiles themselves disagree; coarser levels are made consistent
     expectClosed(cube, *d, level);
 }
 
-TEST(FaceAtlas, TilesAreExactAtTheirTexels)
-{
+TEST(FaceAtlas, TilesAreExactAtTheirTexels) {
   const FaceAtlas atlas = FaceAtlas::forFaces(7, 8);
   Cage cage;
-  for (unsigned i = 0; i < 7; i++)
-  {
+  for (unsigned i = 0; i < 7; i++) {
     cage.faceSizes.push_back(4);
-    for (unsigned j = 0; j < 4; j++)
-      cage.faceIndices.push_back(4 * i + j);
+    for (unsigned j = 0; j < 4; j++) cage.faceIndices.push_back(4 * i + j);
   }
   cage.positions.resize(28);
   HeightMap map(atlas.columns(), atlas.rows(7));
   for (int y = 0; y < map.height(); y++)
-    for (int x = 0; x < map.width(); x++)
-      map.at(x, y) = float(y * map.width() + x);
+    for (int x = 0; x < map.width(); x++) map.at(x, y) = float(y * map.width() + x);
   const auto d = displaceByAtlas(cage, atlas, map, 1.0f);
   for (int face = 0; face < 7; face++)
     for (int y = 0; y <= 8; y++)
-      for (int x = 0; x <= 8; x++)
-      {
+      for (int x = 0; x <= 8; x++) {
         const int column = face % atlas.tilesPerRow * 9 + x, row = face / atlas.tilesPerRow * 9 + y;
         EXPECT_EQ(offset(*d, unsigned(face), float(x) / 8, float(y) / 8), map.at(column, row) - neutralHeight);
       }
 }
 
-TEST(Displacement, CubeSpikesVanishOnTheBorders)
-{
+TEST(Displacement, CubeSpikesVanishOnTheBorders) {
   const Model cube = makeCube();
   for (int i = 0; i <= 64; i++)
     for (auto [u, v] : {std::pair<float, float>{0, i / 64.0f}, {1, i / 64.0f}, {i / 64.0f, 0}, {i / 64.0f, 1}})
@@ -640,5 +561,4 @@ TEST(Displacement, CubeSpikesVanishOnTheBorders)
   EXPECT_NEAR(offset(*cube.displacement, 2, 0.5f, 0.5f), cubeAmplitude * cube.cage.bounds().diagonal(), 1e-6f);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

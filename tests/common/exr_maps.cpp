@@ -24,40 +24,33 @@
 #include <iterator>
 #include <map>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 namespace fs = std::filesystem;
 
 using ExrMaps = MapFiles;
 using Channels = std::map<std::string, float>; // constant values
 
-Imf::Header headerOf(const Channels& channels, int size)
-{
+Imf::Header headerOf(const Channels& channels, int size) {
   Imf::Header header(size, size);
-  for (const auto& [name, value] : channels)
-    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, value] : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
   return header;
 }
 
 /* All rows are the same. */
-Imf::FrameBuffer rowsOf(const Channels& channels, int size, std::vector<float>& storage)
-{
+Imf::FrameBuffer rowsOf(const Channels& channels, int size, std::vector<float>& storage) {
   Imf::FrameBuffer frame;
   storage.clear();
-  for (const auto& [name, value] : channels)
-    storage.insert(storage.end(), size_t(size), value);
+  for (const auto& [name, value] : channels) storage.insert(storage.end(), size_t(size), value);
   float* row = storage.data();
-  for (const auto& [name, value] : channels)
-  {
+  for (const auto& [name, value] : channels) {
     frame.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(row), sizeof(float), 0));
     row += size;
   }
   return frame;
 }
 
-std::string writeExr(const std::string& path, const Channels& channels)
-{
+std::string writeExr(const std::string& path, const Channels& channels) {
   std::vector<float> storage;
   Imf::OutputFile file(path.c_str(), headerOf(channels, 8));
   file.setFrameBuffer(rowsOf(channels, 8, storage));
@@ -65,8 +58,7 @@ std::string writeExr(const std::string& path, const Channels& channels)
   return path;
 }
 
-TEST_F(ExrMaps, ExrChannelsOfHeightsAreFound)
-{
+TEST_F(ExrMaps, ExrChannelsOfHeightsAreFound) {
   const std::string path = pathOf("map.exr");
   writeExr(path, {{"Alpha", 1.0f}, {"Height", 0.3f}});
   EXPECT_EQ(valueAt(path), 0.3f);
@@ -86,23 +78,20 @@ TEST_F(ExrMaps, ExrChannelsOfHeightsAreFound)
   EXPECT_EQ(valueAt(path), 0.4f) << "there is no other channel";
 }
 
-TEST_F(ExrMaps, PartsOfExrAreFoundByTheirChannels)
-{
+TEST_F(ExrMaps, PartsOfExrAreFoundByTheirChannels) {
   const std::string path = pathOf("parts.exr");
   const std::pair<const char*, Channels> parts[] = {{"beauty", {{"A", 1.0f}, {"R", 0.1f}, {"G", 0.2f}, {"B", 0.3f}}},
                                                     {"sculpt", {{"Alpha", 1.0f}, {"bump", 0.4f}}},
                                                     {"other", {{"bump", 0.5f}}}};
   std::vector<Imf::Header> headers;
-  for (const auto& [name, channels] : parts)
-  {
+  for (const auto& [name, channels] : parts) {
     headers.push_back(headerOf(channels, 8));
     headers.back().setName(name);
     headers.back().setType(Imf::SCANLINEIMAGE);
   }
   {
     Imf::MultiPartOutputFile file(path.c_str(), headers.data(), int(headers.size()));
-    for (int i = 0; i < 3; i++)
-    {
+    for (int i = 0; i < 3; i++) {
       std::vector<float> storage;
       Imf::OutputPart part(file, i);
       part.setFrameBuffer(rowsOf(parts[i].second, 8, storage));
@@ -119,18 +108,15 @@ TEST_F(ExrMaps, PartsOfExrAreFoundByTheirChannels)
 }
 
 /* A tiled image of s + 2t, whose size is a multiple of its tiles. */
-std::string writeLevels(const std::string& path, Imf::LevelMode mode)
-{
+std::string writeLevels(const std::string& path, Imf::LevelMode mode) {
   constexpr int size = 128, tile = 16;
   Imf::Header header = headerOf({{"Y", 0.0f}}, size);
   header.compression() = Imf::NO_COMPRESSION;
   header.setTileDescription(Imf::TileDescription(tile, tile, mode));
   Imf::TiledOutputFile file(path.c_str(), header);
   for (int ly = 0; ly < file.numYLevels(); ly++)
-    for (int lx = 0; lx < file.numXLevels(); lx++)
-    {
-      if (!file.isValidLevel(lx, ly))
-        continue;
+    for (int lx = 0; lx < file.numXLevels(); lx++) {
+      if (!file.isValidLevel(lx, ly)) continue;
       const int w = file.levelWidth(lx), h = file.levelHeight(ly);
       std::vector<float> texels;
       for (int i = 0; i < w * h; i++)
@@ -144,17 +130,14 @@ std::string writeLevels(const std::string& path, Imf::LevelMode mode)
   return path;
 }
 
-TEST_F(ExrMaps, MipMapsAndRipMapsOfExrAreRead)
-{
-  for (Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS})
-  {
+TEST_F(ExrMaps, MipMapsAndRipMapsOfExrAreRead) {
+  for (Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
     const std::string path = writeLevels(pathOf("levels.exr"), mode);
     std::string warnings;
     const HeightTexture texture({path}, {"", 1, 0.5f}, TextureWrap::Clamp, warnings);
     for (float texels : {0.0f, 1.0f, 4.0f})
       for (float t : {0.3f, 0.5f, 0.6f})
-        for (float s : {0.35f, 0.5f, 0.7f})
-        {
+        for (float s : {0.35f, 0.5f, 0.7f}) {
           float sampled = NAN;
           texture.sample(0, s, t, texels / 128, texels / 128, &sampled);
           EXPECT_NEAR(sampled, s + 2.0f * t, 1e-4f) << mode << " at " << s << "," << t << ", width " << texels;
@@ -162,8 +145,7 @@ TEST_F(ExrMaps, MipMapsAndRipMapsOfExrAreRead)
   }
 }
 
-TEST_F(ExrMaps, LevelsThatCannotBeReadAreAnError)
-{
+TEST_F(ExrMaps, LevelsThatCannotBeReadAreAnError) {
   const std::string path = writeLevels(pathOf("levels.exr"), Imf::MIPMAP_LEVELS);
   fs::resize_file(path, fs::file_size(path) - 1000); // in the last levels
   EXPECT_TRUE(containsInOrder(errorOf(path), {path, "image 0"}));
@@ -178,12 +160,10 @@ TEST_F(ExrMaps, LevelsThatCannotBeReadAreAnError)
   EXPECT_TRUE(containsInOrder(errorOf(save("levels.exr", file)), {path, "image 0"}));
 }
 
-TEST_F(ExrMaps, HeightsAreWrittenIntoAChannelThatDwaKeeps)
-{
+TEST_F(ExrMaps, HeightsAreWrittenIntoAChannelThatDwaKeeps) {
   const std::string path = pathOf("written.exr");
   HeightMap map(64, 64);
-  for (int i = 0; i < 64 * 64; i++)
-    map.at(i % 64, i / 64) = std::sin(float(i * i));
+  for (int i = 0; i < 64 * 64; i++) map.at(i % 64, i / 64) = std::sin(float(i * i));
   map.write(path);
   const auto input = OIIO::ImageInput::open(path);
   ASSERT_TRUE(input);
@@ -197,9 +177,7 @@ TEST_F(ExrMaps, HeightsAreWrittenIntoAChannelThatDwaKeeps)
   ASSERT_TRUE(output->open(packed, spec) && output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) &&
               output->close());
   const HeightMap again = HeightMap::read(packed);
-  for (int i = 0; i < 64 * 64; i++)
-    EXPECT_EQ(again.at(i % 64, i / 64), map.at(i % 64, i / 64));
+  for (int i = 0; i < 64 * 64; i++) EXPECT_EQ(again.at(i % 64, i / 64), map.at(i % 64, i / 64));
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,26 +12,21 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 namespace fs = std::filesystem;
 
 /* 3 x 2 texels with distinct heights. */
-HeightMap smallMap()
-{
+HeightMap smallMap() {
   HeightMap map(3, 2);
   for (int y = 0; y < 2; y++)
-    for (int x = 0; x < 3; x++)
-      map.at(x, y) = float(x) + 10.0f * float(y);
+    for (int x = 0; x < 3; x++) map.at(x, y) = float(x) + 10.0f * float(y);
   return map;
 }
 
-class HeightMapFile : public testing::Test
-{
+class HeightMapFile : public testing::Test {
 protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     folder = fs::temp_directory_path() / ("cbvh_height_map_" + std::to_string(::getpid()));
     fs::create_directories(folder);
     path = (folder / "map.exr").string();
@@ -42,8 +37,7 @@ protected:
   std::string path;
 };
 
-TEST(HeightMap, IsBilinearBetweenTexelCenters)
-{
+TEST(HeightMap, IsBilinearBetweenTexelCenters) {
   const HeightMap map = smallMap();
   EXPECT_EQ(map.sampleTexels(1, 1), 11.0f);
   EXPECT_EQ(map.sampleTexels(0.25f, 0), 0.25f);
@@ -51,8 +45,7 @@ TEST(HeightMap, IsBilinearBetweenTexelCenters)
   EXPECT_EQ(map.sampleTexels(-5, 9), 10.0f) << "the border is repeated";
 }
 
-TEST_F(HeightMapFile, DetectsConstantBorders)
-{
+TEST_F(HeightMapFile, DetectsConstantBorders) {
   HeightMap map(3, 3);
   map.at(1, 1) = 7.0f;
   map.write(path);
@@ -62,8 +55,7 @@ TEST_F(HeightMapFile, DetectsConstantBorders)
   EXPECT_FALSE(HeightMap::inspect(path).constantBorder);
 }
 
-TEST_F(HeightMapFile, FloatExrKeepsEveryBit)
-{
+TEST_F(HeightMapFile, FloatExrKeepsEveryBit) {
   HeightMap map = smallMap();
   map.at(1, 1) = 0.1f;
   map.at(2, 1) = -3.0e7f;
@@ -72,13 +64,11 @@ TEST_F(HeightMapFile, FloatExrKeepsEveryBit)
   ASSERT_EQ(again.width(), 3);
   ASSERT_EQ(again.height(), 2);
   for (int y = 0; y < 2; y++)
-    for (int x = 0; x < 3; x++)
-      EXPECT_EQ(again.at(x, y), map.at(x, y));
+    for (int x = 0; x < 3; x++) EXPECT_EQ(again.at(x, y), map.at(x, y));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "a temporary file was left";
 }
 
-TEST_F(HeightMapFile, RejectsMissingTruncatedAndInvalidFiles)
-{
+TEST_F(HeightMapFile, RejectsMissingTruncatedAndInvalidFiles) {
   EXPECT_THROW(HeightMap::read(path), Error);
   HeightMap(64, 64).write(path);
   fs::resize_file(path, fs::file_size(path) / 2);
@@ -90,8 +80,7 @@ TEST_F(HeightMapFile, RejectsMissingTruncatedAndInvalidFiles)
   EXPECT_THROW(HeightMap::read(folder.string()), Error);
 }
 
-TEST_F(HeightMapFile, KeepsItsRecipe)
-{
+TEST_F(HeightMapFile, KeepsItsRecipe) {
   smallMap().write(path, "a pinch of noise");
   EXPECT_EQ(HeightMap::recipeOf(path), "a pinch of noise");
   EXPECT_EQ(HeightMap::inspect(path).images, 1u);
@@ -102,42 +91,30 @@ TEST_F(HeightMapFile, KeepsItsRecipe)
   EXPECT_EQ(HeightMap::recipeOf(path + ".missing"), "");
 }
 
-TEST_F(HeightMapFile, RejectsPtexWithAReasonWithoutAReader)
-{
+TEST_F(HeightMapFile, RejectsPtexWithAReasonWithoutAReader) {
   const std::string ptex = (folder / "map.ptx").string();
   std::ofstream(ptex) << "Ptex";
-  try
-  {
+  try {
     HeightMap::read(ptex);
     FAIL() << "expected an error";
-  }
-  catch (const Error& e)
-  {
+  } catch (const Error& e) {
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
     EXPECT_EQ(std::string(e.what()).rfind(ptex, 0), 0u) << e.what();
   }
 }
 
-TEST_F(HeightMapFile, RejectsHeightsThatAreNotFinite)
-{
+TEST_F(HeightMapFile, RejectsHeightsThatAreNotFinite) {
   HeightMap map = smallMap();
   map.at(2, 1) = NAN;
   map.write(path);
-  try
-  {
+  try {
     HeightMap::read(path);
     FAIL() << "expected an error";
-  }
-  catch (const Error& e)
-  {
-    EXPECT_TRUE(containsInOrder(e.what(), {path, " 2,1 ", "finite"}));
-  }
+  } catch (const Error& e) { EXPECT_TRUE(containsInOrder(e.what(), {path, " 2,1 ", "finite"})); }
 }
 
-TEST_F(HeightMapFile, UnwritableFolderIsAnError)
-{
+TEST_F(HeightMapFile, UnwritableFolderIsAnError) {
   EXPECT_THROW(smallMap().write((folder / "missing" / "map.exr").string()), Error);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -15,46 +15,37 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* Creases some of the edges, with equal sharpness. */
-Cage creased(Cage cage, float sharpness, Random& random)
-{
+Cage creased(Cage cage, float sharpness, Random& random) {
   const FaceBorders borders(cage);
   for (unsigned face = 0; face < cage.numFaces(); face++)
-    for (unsigned i = 0, n = cage.faceSizes[face]; i < n; i++)
-    {
+    for (unsigned i = 0, n = cage.faceSizes[face]; i < n; i++) {
       const unsigned a = cage.faceIndices[borders.corner(face, i)],
                      b = cage.faceIndices[borders.corner(face, (i + 1) % n)];
-      if (a < b && random.chance(0.3))
-        cage.creaseEdges.push_back({a, b});
+      if (a < b && random.chance(0.3)) cage.creaseEdges.push_back({a, b});
     }
   cage.creaseSharpness.assign(cage.creaseEdges.size(), sharpness);
   return cage;
 }
 
 /* Creases the ring around the middle of a trapezohedron. */
-Cage belted(Cage cage, float sharpness)
-{
+Cage belted(Cage cage, float sharpness) {
   const unsigned n = unsigned(cage.numFaces());
-  for (unsigned i = 0; i < n; i++)
-    cage.creaseEdges.push_back({i, (i + 1) % n});
+  for (unsigned i = 0; i < n; i++) cage.creaseEdges.push_back({i, (i + 1) % n});
   cage.creaseSharpness.assign(n, sharpness);
   return cage;
 }
 
 /* --- formulas --------------------------------------------------------------------- */
 
-TEST(LimitSurface, PlaneStaysAPlane)
-{
+TEST(LimitSurface, PlaneStaysAPlane) {
   Cage cage = sheet(5);
-  for (Vec3f& p : cage.positions)
-    p.z = 0.25f * p.x - 0.5f * p.y;
+  for (Vec3f& p : cage.positions) p.z = 0.25f * p.x - 0.5f * p.y;
   const LimitSurface limit(cage);
   for (double u : {0.0, 0.3, 1.0})
-    for (double v : {0.0, 0.75, 1.0})
-    {
+    for (double v : {0.0, 0.75, 1.0}) {
       const LimitSample s = limit.evaluate({12, 0, u, v}); // the face in the center
       EXPECT_NEAR(s.p.x, 2 + u, 1e-12);
       EXPECT_NEAR(s.p.y, 2 + v, 1e-12);
@@ -65,23 +56,20 @@ TEST(LimitSurface, PlaneStaysAPlane)
 }
 
 /* Uniform cubic B-spline weights and their first two derivatives. */
-void spline(double t, double w[3][4])
-{
+void spline(double t, double w[3][4]) {
   const double s = 1 - t;
   const double values[3][4] = {
-    {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * s * s * s - 6 * s * s + 4) / 6, t * t * t / 6},
-    {-s * s / 2, (3 * t * t - 4 * t) / 2, (-3 * s * s + 4 * s) / 2, t * t / 2},
-    {s, 3 * t - 2, 3 * s - 2, t}};
+      {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * s * s * s - 6 * s * s + 4) / 6, t * t * t / 6},
+      {-s * s / 2, (3 * t * t - 4 * t) / 2, (-3 * s * s + 4 * s) / 2, t * t / 2},
+      {s, 3 * t - 2, 3 * s - 2, t}};
   std::copy(&values[0][0], &values[0][0] + 12, &w[0][0]);
 }
 
-TEST(LimitSurface, RegularPatchesAreBicubicSplines)
-{
+TEST(LimitSurface, RegularPatchesAreBicubicSplines) {
   Random random(1);
   const Cage cage = moved(sheet(3), random, 0.4);
   const LimitSurface limit(cage);
-  for (int i = 0; i < 100; i++)
-  {
+  for (int i = 0; i < 100; i++) {
     const double u = random.uniform(), v = random.uniform();
     double wu[3][4], wv[3][4];
     spline(u, wu);
@@ -90,8 +78,7 @@ TEST(LimitSurface, RegularPatchesAreBicubicSplines)
     const auto expect = [&](Vec3d found, int du, int dv) {
       Vec3d sum;
       for (int y = 0; y < 4; y++)
-        for (int x = 0; x < 4; x++)
-          sum += wu[du][x] * wv[dv][y] * toDouble(cage.positions[size_t(4 * y + x)]);
+        for (int x = 0; x < 4; x++) sum += wu[du][x] * wv[dv][y] * toDouble(cage.positions[size_t(4 * y + x)]);
       EXPECT_NEAR(length(found - sum), 0, 1e-12) << "derivatives " << du << ", " << dv << " at " << u << ", " << v;
     };
     expect(s.p, 0, 0);
@@ -103,44 +90,37 @@ TEST(LimitSurface, RegularPatchesAreBicubicSplines)
   }
 }
 
-TEST(LimitSurface, CubeCornersConvergeToOneHalf)
-{
+TEST(LimitSurface, CubeCornersConvergeToOneHalf) {
   /* (n^2 v + 4 sum of neighbors + sum of vertices opposite in the faces) / (n (n + 5)) */
   const LimitSample s = LimitSurface(makeCube().cage).evaluate({5, 0, 1, 1});
   EXPECT_NEAR(length(s.p - Vec3d{0.5, 0.5, 0.5}), 0, 1e-12);
 }
 
-TEST(LimitSurface, VerticesOfAnyValenceHaveTheKnownLimit)
-{
+TEST(LimitSurface, VerticesOfAnyValenceHaveTheKnownLimit) {
   Random random(2);
-  for (unsigned n = 3; n <= 10; n++)
-  {
+  for (unsigned n = 3; n <= 10; n++) {
     const Cage cage = moved(trapezohedron(n), random, 0.2);
     const LimitSurface limit(cage);
     Vec3d neighbours, across;
-    for (unsigned i = 0; i < n; i++)
-    {
+    for (unsigned i = 0; i < n; i++) {
       neighbours += toDouble(cage.positions[2 * i]);
       across += toDouble(cage.positions[2 * i + 1]);
     }
-    const Vec3d expected = (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) *
-                           (1.0 / (n * (n + 5.0)));
+    const Vec3d expected =
+        (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) * (1.0 / (n * (n + 5.0)));
     for (unsigned face = 0; face < 2 * n; face += 2)
       EXPECT_NEAR(length(limit.evaluate({face, 0, 0, 0}).p - expected), 0, 1e-7) << "valence " << n;
   }
 }
 
-TEST(LimitSurface, DerivativesMatchPositions)
-{
+TEST(LimitSurface, DerivativesMatchPositions) {
   Random random(3);
-  for (const Cage& cage : {moved(prism(5), random, 0.2), moved(trapezohedron(7), random, 0.2)})
-  {
+  for (const Cage& cage : {moved(prism(5), random, 0.2), moved(trapezohedron(7), random, 0.2)}) {
     const Model model = modelOf(cage);
     const TrueSurface surface(model);
     const LimitSurface limit(cage);
     constexpr double h = 1e-6;
-    for (int i = 0; i < 200; i++)
-    {
+    for (int i = 0; i < 200; i++) {
       PatchPoint p = randomPoint(cage, surface, random);
       p.u = 0.1 + 0.8 * p.u; // away from corners, where second derivatives have no limit
       p.v = 0.1 + 0.8 * p.v;
@@ -158,14 +138,12 @@ TEST(LimitSurface, DerivativesMatchPositions)
 
 /* --- Embree ------------------------------------------------------------------------ */
 
-struct Deviation
-{
+struct Deviation {
   double position = 0, angle = 0;
 };
 
 /* margin: distance of points from the borders of their patch. */
-Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
-{
+Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random) {
   const Model model = modelOf(cage);
   const TrueSurface surface(model);
   const LimitSurface limit(cage);
@@ -177,8 +155,7 @@ Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
   rtcAttachGeometry(scene.get(), geometry.get());
   rtcCommitScene(scene.get());
   Deviation most;
-  for (int i = 0; i < 2000; i++)
-  {
+  for (int i = 0; i < 2000; i++) {
     PatchPoint p = randomPoint(cage, surface, random);
     p.u = margin + (1 - 2 * margin) * p.u;
     p.v = margin + (1 - 2 * margin) * p.v;
@@ -198,32 +175,27 @@ Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
  * which multiplies them by 2^10. */
 constexpr double ulp = 0x1p-23, positionBound = 4 * 4 * ulp, angleBound = 4 * ulp * 0x1p10;
 
-void expectEmbrees(const Cage& cage, double margin, Random& random)
-{
+void expectEmbrees(const Cage& cage, double margin, Random& random) {
   const Deviation d = deviationFromEmbree(cage, margin, random);
   EXPECT_LT(d.position, positionBound) << cage.name << " of " << cage.numFaces() << " faces";
   EXPECT_LT(d.angle, angleBound) << cage.name << " of " << cage.numFaces() << " faces";
 }
 
-TEST(LimitSurface, MatchesEmbreeOnSmoothCages)
-{
+TEST(LimitSurface, MatchesEmbreeOnSmoothCages) {
   Random random(4);
   expectEmbrees(makeCube().cage, 0, random);
-  for (unsigned n = 3; n <= 10; n++)
-  {
+  for (unsigned n = 3; n <= 10; n++) {
     expectEmbrees(moved(trapezohedron(n), random, 0.1), 0, random);
     expectEmbrees(moved(prism(n), random, 0.1), 0, random);
   }
 }
 
 /* A sphere of triangles at the poles, and quads between three circles of latitude. */
-Cage globe(unsigned meridians)
-{
+Cage globe(unsigned meridians) {
   Cage cage;
   cage.name = "globe";
   for (unsigned circle = 1; circle <= 3; circle++)
-    for (unsigned i = 0; i < meridians; i++)
-    {
+    for (unsigned i = 0; i < meridians; i++) {
       const double latitude = M_PI * circle / 4, longitude = 2 * M_PI * i / meridians;
       cage.positions.push_back({float(std::sin(latitude) * std::cos(longitude)),
                                 float(std::sin(latitude) * std::sin(longitude)), float(std::cos(latitude))});
@@ -231,8 +203,7 @@ Cage globe(unsigned meridians)
   cage.positions.push_back({0, 0, 1});
   cage.positions.push_back({0, 0, -1});
   const unsigned north = 3 * meridians, south = north + 1;
-  for (unsigned i = 0; i < meridians; i++)
-  {
+  for (unsigned i = 0; i < meridians; i++) {
     const unsigned next = (i + 1) % meridians, last = 2 * meridians;
     cage.faceSizes.insert(cage.faceSizes.end(), {3, 4, 4, 3});
     cage.faceIndices.insert(cage.faceIndices.end(), {north, i, next});
@@ -246,24 +217,19 @@ Cage globe(unsigned meridians)
 
 /* Stock Embree leaves out the faces at vertices of more than 64. Near the poles, faces are so narrow that some ulps
  * turn their normals. */
-TEST(LimitSurface, MatchesEmbreeAtVerticesOfManyFaces)
-{
+TEST(LimitSurface, MatchesEmbreeAtVerticesOfManyFaces) {
   Random random(10);
   for (unsigned n : {65u, 72u, 128u, 360u})
-    for (const Cage& cage : {moved(trapezohedron(n), random, 0.01), moved(globe(n), random, 0.01)})
-    {
+    for (const Cage& cage : {moved(trapezohedron(n), random, 0.01), moved(globe(n), random, 0.01)}) {
       EXPECT_LT(deviationFromEmbree(cage, 0, random).position, positionBound) << cage.name << " of " << n;
-      if (n <= 128)
-        expectEmbrees(cage, 0.125, random);
+      if (n <= 128) expectEmbrees(cage, 0.125, random);
     }
 }
 
-TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
-{
+TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles) {
   Random random(5);
   Cage cage = moved(sheet(4), random, 0.3);
-  for (BoundaryRule rule : {BoundaryRule::EdgeAndCorner, BoundaryRule::None})
-  {
+  for (BoundaryRule rule : {BoundaryRule::EdgeAndCorner, BoundaryRule::None}) {
     cage.boundary = rule;
     expectEmbrees(cage, 0, random);
   }
@@ -278,8 +244,7 @@ TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
 }
 
 /* OpenSubdiv 3.5 crashes at the creases of a face that is wrapped around a vertex of another one. */
-TEST(LimitSurface, CreasesOfWrappedFacesAreLeftOut)
-{
+TEST(LimitSurface, CreasesOfWrappedFacesAreLeftOut) {
   Cage cage;
   cage.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.2f}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
   cage.faceSizes = {4, 4, 3, 3};
@@ -301,22 +266,19 @@ TEST(LimitSurface, CreasesOfWrappedFacesAreLeftOut)
 }
 
 /* Farthest distance between two limit surfaces, of faces that both have. */
-double distanceOf(const Cage& a, const Cage& b)
-{
+double distanceOf(const Cage& a, const Cage& b) {
   const LimitSurface one(a), other(b);
   double most = 0;
   for (unsigned face = 0; face < a.numFaces(); face++)
     for (int i = 0; i <= 32; i++)
-      for (int j = 0; j <= 32 && one.has(face) && other.has(face); j++)
-      {
+      for (int j = 0; j <= 32 && one.has(face) && other.has(face); j++) {
         const PatchPoint p{face, 0, i / 32.0, j / 32.0};
         most = std::max(most, length(one.evaluate(p).p - other.evaluate(p).p));
       }
   return most;
 }
 
-void addCreases(Cage& cage, unsigned face)
-{
+void addCreases(Cage& cage, unsigned face) {
   for (unsigned i = 0; i < 4; i++)
     cage.creaseEdges.push_back({cage.faceIndices[4 * face + i], cage.faceIndices[4 * face + (i + 1) % 4]});
   cage.creaseSharpness.assign(cage.creaseEdges.size(), INFINITY);
@@ -324,13 +286,10 @@ void addCreases(Cage& cage, unsigned face)
 
 /* The figures of docs/accuracy.md. OpenSubdiv evaluates the other faces as if a hole were one of them; Embree, and
  * LimitSurface, as if it did not exist. Edges have length 1. */
-TEST(LimitSurface, HolesDifferFromOpenSubdivUnlessTheirBorderIsCreased)
-{
+TEST(LimitSurface, HolesDifferFromOpenSubdivUnlessTheirBorderIsCreased) {
   Cage cube = makeCube().cage;
-  for (Vec3f& p : cube.positions)
-    p = 0.5f * p;
-  for (const auto& [cage, hole, expected] : {std::tuple(sheet(4), 5u, 0.2353), {cube, 1u, 0.2763}})
-  {
+  for (Vec3f& p : cube.positions) p = 0.5f * p;
+  for (const auto& [cage, hole, expected] : {std::tuple(sheet(4), 5u, 0.2353), {cube, 1u, 0.2763}}) {
     Cage holed = cage;
     holed.holes = {hole};
     EXPECT_NEAR(distanceOf(cage, holed), expected, 0.002) << cage.name;
@@ -346,8 +305,7 @@ TEST(LimitSurface, HolesDifferFromOpenSubdivUnlessTheirBorderIsCreased)
   }
 }
 
-TEST(LimitSurface, CornerFacesOfOpenSheetsDifferFromEmbreeUnderTheDefaultRule)
-{
+TEST(LimitSurface, CornerFacesOfOpenSheetsDifferFromEmbreeUnderTheDefaultRule) {
   Random random(11);
   Cage cage = sheet(3);
   const double flat = deviationFromEmbree(cage, 0, random).position;
@@ -358,34 +316,29 @@ TEST(LimitSurface, CornerFacesOfOpenSheetsDifferFromEmbreeUnderTheDefaultRule)
 }
 
 /* Two cubes with edges of length 1. shared: pairs of vertices, of the first and of the second cube, that are one. */
-Cage twoCubes(const std::map<unsigned, unsigned>& shared)
-{
+Cage twoCubes(const std::map<unsigned, unsigned>& shared) {
   const Cage cube = makeCube().cage;
   Cage cage = cube;
   const size_t first = shared.begin()->first, second = shared.begin()->second;
   std::vector<unsigned> number;
-  for (unsigned v = 0; v < cube.positions.size(); v++)
-  {
+  for (unsigned v = 0; v < cube.positions.size(); v++) {
     const auto found = std::find_if(shared.begin(), shared.end(), [&](const auto& pair) { return pair.second == v; });
     number.push_back(found == shared.end() ? unsigned(cage.positions.size()) : found->first);
     if (found == shared.end())
       cage.positions.push_back(cube.positions[v] - cube.positions[second] + cube.positions[first]);
   }
-  for (Vec3f& p : cage.positions)
-    p = 0.5f * p;
+  for (Vec3f& p : cage.positions) p = 0.5f * p;
   cage.faceSizes.insert(cage.faceSizes.end(), cube.faceSizes.begin(), cube.faceSizes.end());
-  for (unsigned v : cube.faceIndices)
-    cage.faceIndices.push_back(number[v]);
+  for (unsigned v : cube.faceIndices) cage.faceIndices.push_back(number[v]);
   return cage;
 }
 
-TEST(LimitSurface, CagesThatAreNotManifoldDifferFromEmbree)
-{
+TEST(LimitSurface, CagesThatAreNotManifoldDifferFromEmbree) {
   const std::vector<Vec3f> p = makeCube().cage.positions;
   const auto at = [&](float x, float y, float z) {
-    return unsigned(std::find_if(p.begin(), p.end(), [&](Vec3f q) {
-      return q.x * x > 0 && q.y * y > 0 && q.z * z > 0;
-    }) - p.begin());
+    return unsigned(
+        std::find_if(p.begin(), p.end(), [&](Vec3f q) { return q.x * x > 0 && q.y * y > 0 && q.z * z > 0; }) -
+        p.begin());
   };
   Random random(12);
   const Cage edge = twoCubes({{at(1, 1, -1), at(-1, -1, -1)}, {at(1, 1, 1), at(-1, -1, 1)}});
@@ -396,8 +349,7 @@ TEST(LimitSurface, CagesThatAreNotManifoldDifferFromEmbree)
   EXPECT_LT(atVertex, 0.44);
 }
 
-TEST(LimitSurface, HolesKeepTheCreaseRule)
-{
+TEST(LimitSurface, HolesKeepTheCreaseRule) {
   Random random(6);
   Cage cage = moved(sheet(4), random, 0.3);
   cage.creaseEdges = {{6, 7}, {7, 8}};
@@ -413,21 +365,19 @@ TEST(LimitSurface, HolesKeepTheCreaseRule)
 }
 
 /* Faces with these numbers of vertices around vertex 0, open, over five sixths of a circle. */
-Cage fan(const std::vector<unsigned>& faceSizes)
-{
+Cage fan(const std::vector<unsigned>& faceSizes) {
   Cage cage;
   cage.name = "fan";
   cage.boundary = BoundaryRule::EdgeAndCorner;
   const double step = 10 * M_PI / 6 / double(faceSizes.size());
   const auto addVertex = [&](double angle, double radius) {
     cage.positions.push_back(
-      {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
+        {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
     return unsigned(cage.positions.size() - 1);
   };
   cage.positions.push_back({0, 0, 0.3f});
   unsigned spoke = addVertex(0, 1);
-  for (size_t face = 0; face < faceSizes.size(); face++)
-  {
+  for (size_t face = 0; face < faceSizes.size(); face++) {
     cage.faceSizes.push_back(faceSizes[face]);
     cage.faceIndices.insert(cage.faceIndices.end(), {0, spoke});
     for (unsigned i = 1; i + 2 < faceSizes[face]; i++)
@@ -440,12 +390,10 @@ Cage fan(const std::vector<unsigned>& faceSizes)
 
 /* Quads, and in their middle one face with this number of vertices. A ring has n - 2 vertices per face of n vertices,
  * and two between the borders. Stock Embree supports at most 128. */
-TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
-{
+TEST(LimitSurface, MatchesEmbreeAtTheLongestRings) {
   Random random(9);
   for (const auto& [quads, other] :
-       {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}, {64u, 4u}, {200u, 16u}})
-  {
+       {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}, {64u, 4u}, {200u, 16u}}) {
     std::vector<unsigned> faceSizes(quads, 4);
     faceSizes.insert(faceSizes.begin() + quads / 2, other);
     expectEmbrees(fan(faceSizes), 0, random);
@@ -454,20 +402,16 @@ TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
 
 /* Away from borders of patches: along infinitely sharp creases both sides close the last 2^-10 of a face differently.
  * */
-TEST(LimitSurface, MatchesEmbreeWithCreasesAndCorners)
-{
+TEST(LimitSurface, MatchesEmbreeWithCreasesAndCorners) {
   Random random(6);
   constexpr double margin = 0x1p-8;
-  for (unsigned n = 3; n <= 10; n++)
-  {
+  for (unsigned n = 3; n <= 10; n++) {
     const Cage t = moved(trapezohedron(n), random, 0.1), p = moved(prism(n), random, 0.1);
-    for (float sharpness : {1.0f, 2.0f, INFINITY})
-    {
+    for (float sharpness : {1.0f, 2.0f, INFINITY}) {
       expectEmbrees(creased(t, sharpness, random), margin, random);
       expectEmbrees(creased(p, sharpness, random), margin, random);
     }
-    for (float sharpness : {0.4f, 1.7f, 2.5f})
-    {
+    for (float sharpness : {0.4f, 1.7f, 2.5f}) {
       expectEmbrees(belted(t, sharpness), margin, random);
       Cage cornered = t;
       cornered.cornerVertices = {0, n + 1};
@@ -478,8 +422,7 @@ TEST(LimitSurface, MatchesEmbreeWithCreasesAndCorners)
 }
 
 /* OpenSubdiv's shapes catmark_cube_creases1 and 2. last: sharpness of the crease from vertex 3 to 5. */
-Cage creasedCube(float sharpness, float last)
-{
+Cage creasedCube(float sharpness, float last) {
   Cage cage;
   cage.name = "creased cube";
   const float a = 1.414214f;
@@ -492,15 +435,13 @@ Cage creasedCube(float sharpness, float last)
   return cage;
 }
 
-constexpr unsigned fadingVertex = 3;             // a vertex of the creased cube
-constexpr PatchPoint fadingPoint{0, 0, 1, 1};    // its position in face 0
+constexpr unsigned fadingVertex = 3;          // a vertex of the creased cube
+constexpr PatchPoint fadingPoint{0, 0, 1, 1}; // its position in face 0
 
 /* After one step of OpenSubdiv's subdivision, with the remaining sharpness. */
-Cage refined(const Cage& cage)
-{
+Cage refined(const Cage& cage) {
   namespace Far = OpenSubdiv::Far;
-  struct Point
-  {
+  struct Point {
     Vec3f p;
     void Clear() { p = {}; }
     void AddWithWeight(const Point& q, float weight) { p += weight * q.p; }
@@ -511,22 +452,18 @@ Cage refined(const Cage& cage)
   refiner->RefineUniform(options);
   const Far::TopologyLevel level = refiner->GetLevel(1);
   std::vector<Point> from, to(size_t(level.GetNumVertices()));
-  for (const Vec3f& p : cage.positions)
-    from.push_back({p});
+  for (const Vec3f& p : cage.positions) from.push_back({p});
   Far::PrimvarRefiner(*refiner).Interpolate(1, from, to);
   Cage result;
   result.name = cage.name + ", refined";
-  for (const Point& point : to)
-    result.positions.push_back(point.p);
-  for (int face = 0; face < level.GetNumFaces(); face++)
-  {
+  for (const Point& point : to) result.positions.push_back(point.p);
+  for (int face = 0; face < level.GetNumFaces(); face++) {
     const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
     result.faceSizes.push_back(unsigned(vertices.size()));
     result.faceIndices.insert(result.faceIndices.end(), vertices.begin(), vertices.end());
   }
   for (int edge = 0; edge < level.GetNumEdges(); edge++)
-    if (const float sharpness = level.GetEdgeSharpness(edge); sharpness > 0.0f)
-    {
+    if (const float sharpness = level.GetEdgeSharpness(edge); sharpness > 0.0f) {
       const Far::ConstIndexArray vertices = level.GetEdgeVertices(edge);
       result.creaseEdges.push_back({unsigned(vertices[0]), unsigned(vertices[1])});
       result.creaseSharpness.push_back(sharpness >= 10.0f ? INFINITY : sharpness);
@@ -536,8 +473,7 @@ Cage refined(const Cage& cage)
 
 /* The first step at vertex 3 computed by hand: 0.1 of the corner, which stays, and 0.9 of the crease through it.
  * OpenSubdiv's regression baseline of Hbr also has 1.09601581. */
-TEST(LimitSurface, FadingCreaseIsBlendedAsInThePaper)
-{
+TEST(LimitSurface, FadingCreaseIsBlendedAsInThePaper) {
   const Cage cage = creasedCube(5.0f, 0.1f);
   const float corner = cage.positions[fadingVertex].y, crease = 6.0f / 8.0f * corner;
   const float expected = 0.1f * corner + 0.9f * crease;
@@ -549,8 +485,7 @@ TEST(LimitSurface, FadingCreaseIsBlendedAsInThePaper)
   EXPECT_NE(found, after.end());
 }
 
-TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseUnlikeEmbree)
-{
+TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseUnlikeEmbree) {
   const auto reach = [](float last) { return LimitSurface(creasedCube(INFINITY, last)).evaluate(fadingPoint).p.y; };
   EXPECT_NEAR(reach(0.001f), reach(0.0f), 0.001);
   EXPECT_GT(reach(0.5f), reach(0.001f) + 0.1);
@@ -561,11 +496,9 @@ TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseUnlikeEmbree)
 }
 
 /* After the fading crease is gone, both use the same rules. */
-TEST(LimitSurface, MatchesEmbreeAfterOneStepOfOpenSubdiv)
-{
+TEST(LimitSurface, MatchesEmbreeAfterOneStepOfOpenSubdiv) {
   Random random(8);
-  for (float sharpness : {5.0f, INFINITY})
-  {
+  for (float sharpness : {5.0f, INFINITY}) {
     const Cage cage = creasedCube(sharpness, 0.1f), child = refined(cage);
     EXPECT_GT(deviationFromEmbree(cage, 0x1p-8, random).position, 0.1) << sharpness;
     expectEmbrees(child, 0x1p-8, random);
@@ -575,5 +508,4 @@ TEST(LimitSurface, MatchesEmbreeAfterOneStepOfOpenSubdiv)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -9,11 +9,9 @@
 #include <atomic>
 #include <cstdlib>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-TEST(Parallel, RangesCoverAllIndicesOnce)
-{
+TEST(Parallel, RangesCoverAllIndicesOnce) {
   for (size_t n : {0, 1, 63, 1000})
     for (size_t chunk : {1, 7, 5000})
       for (unsigned threads : {1u, 3u}) {
@@ -26,16 +24,14 @@ TEST(Parallel, RangesCoverAllIndicesOnce)
       }
 }
 
-TEST(Parallel, RunsOnTheThreadsThatTheSystemCreates)
-{
+TEST(Parallel, RunsOnTheThreadsThatTheSystemCreates) {
   const auto child = [] {
     limitAddressSpace(size_t(64) << 20);
     std::atomic<size_t> sum{0};
     parallelFor(1000, 1, 10000, [&](size_t begin, size_t) { sum += begin; });
-    std::_Exit(sum == 999*1000/2 ? 0 : 1);
+    std::_Exit(sum == 999 * 1000 / 2 ? 0 : 1);
   };
   EXPECT_EXIT(child(), testing::ExitedWithCode(0), "");
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

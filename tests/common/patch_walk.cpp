@@ -7,12 +7,10 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* A plane of unit squares, each with a random first corner. */
-TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces)
-{
+TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces) {
   Random random(6);
   constexpr unsigned n = 8;
   Cage cage = sheet(n);
@@ -21,8 +19,7 @@ TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces)
                 cage.faceIndices.begin() + 4 * face + 4);
   const Model model = modelOf(cage);
   const TrueSurface surface(model);
-  for (int i = 0; i < 1000; i++)
-  {
+  for (int i = 0; i < 1000; i++) {
     const PatchPoint p{(2 + random.below(4)) * n + 2 + random.below(4), 0, random.uniform(), random.uniform()};
     const TruePoint from = surface.evaluate(p);
     const double u = random.uniform(-1, 1), v = random.uniform(-1, 1);
@@ -31,17 +28,14 @@ TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces)
   }
 }
 
-TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
-{
+TEST(PatchWalk, CrossedBordersContinueOnTheSurface) {
   Random random(7);
   Cage holed = moved(sheet(4), random, 0.3);
   holed.holes = {5, 10};
-  for (const Cage& cage : {prism(3), prism(6), trapezohedron(4), holed})
-  {
+  for (const Cage& cage : {prism(3), prism(6), trapezohedron(4), holed}) {
     const Model model = modelOf(cage);
     const TrueSurface surface(model);
-    for (int i = 0; i < 1000; i++)
-    {
+    for (int i = 0; i < 1000; i++) {
       PatchPoint p = randomPoint(cage, surface, random);
       const unsigned edge = random.below(4);
       double& across = edge % 2 ? p.u : p.v;
@@ -51,19 +45,18 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
       constexpr double least = 1e-9;
       const double side = random.uniform(-0.1, 0.1);
       across = border;
-      const PatchPoint q = surface.patches().advance(p, edge % 2 ? outward * least : side,
-                                                edge % 2 ? side : outward * least);
+      const PatchPoint q =
+          surface.patches().advance(p, edge % 2 ? outward * least : side, edge % 2 ? side : outward * least);
       along += side;
       EXPECT_LT(length(surface.evaluate(p).position - surface.evaluate(q).position), 1e-7)
-        << "face " << p.face << " edge " << edge << " to face " << q.face;
+          << "face " << p.face << " edge " << edge << " to face " << q.face;
 
       /* The distance beyond the border is the same on the other side. */
       along -= side;
       const double depth = random.uniform(0.01, 0.2);
       const PatchPoint far =
-        surface.patches().advance(p, edge % 2 ? outward * depth : 0, edge % 2 ? 0 : outward * depth);
-      if (far.face == p.face && far.subPatch == p.subPatch)
-      {
+          surface.patches().advance(p, edge % 2 ? outward * depth : 0, edge % 2 ? 0 : outward * depth);
+      if (far.face == p.face && far.subPatch == p.subPatch) {
         ASSERT_FALSE(cage.holes.empty()) << "a closed cage has no boundary";
         continue;
       }
@@ -75,5 +68,4 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

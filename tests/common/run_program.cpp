@@ -15,25 +15,21 @@
 #include <utility>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* Returns the exit status and the output to stderr. */
-std::pair<int, std::string> outcome(const std::function<int()>& run)
-{
+std::pair<int, std::string> outcome(const std::function<int()>& run) {
   testing::internal::CaptureStderr();
   const int status = runProgram("cbvh_test", run);
   return {status, testing::internal::GetCapturedStderr()};
 }
 
-TEST(RunProgram, ReturnsTheStatus)
-{
+TEST(RunProgram, ReturnsTheStatus) {
   EXPECT_EQ(outcome([] { return 0; }), std::make_pair(0, std::string()));
   EXPECT_EQ(outcome([] { return 3; }), std::make_pair(3, std::string()));
 }
 
-TEST(RunProgram, PrintsExceptionsInOneLine)
-{
+TEST(RunProgram, PrintsExceptionsInOneLine) {
   const std::pair<int, std::string> canceled = outcome([]() -> int { throw Canceled(); });
   EXPECT_EQ(canceled.first, 130);
   EXPECT_EQ(canceled.second.find("cbvh_test: cancel"), 0u) << canceled.second;
@@ -49,25 +45,29 @@ TEST(RunProgram, PrintsExceptionsInOneLine)
             std::make_pair(1, std::string("cbvh_test: far\n")));
 }
 
-TEST(RunProgram, RemovesEmptyOutputFoldersAfterFailures)
-{
+TEST(RunProgram, RemovesEmptyOutputFoldersAfterFailures) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("cbvh_run_program_" + std::to_string(::getpid()));
   const fs::path existing = folder / "existing", created = existing / "a" / "b";
   fs::create_directories(existing);
   const auto run = [&](const std::function<int()>& end) {
     return outcome([&] {
-      prepareOutputFolder(existing.string());
-      prepareOutputFolder(created.string());
-      return end();
-    }).first;
+             prepareOutputFolder(existing.string());
+             prepareOutputFolder(created.string());
+             return end();
+           })
+        .first;
   };
   EXPECT_EQ(run([]() -> int { throw Error("no such file"); }), 1);
   EXPECT_TRUE(fs::is_empty(existing)) << "the folder and its parent are removed";
   EXPECT_EQ(run([]() -> int { throw Canceled(); }), 130);
   EXPECT_TRUE(fs::is_empty(existing));
   const auto write = [&] { std::ofstream(created.parent_path() / "picture.png") << "bytes"; };
-  EXPECT_EQ(run([&]() -> int { write(); throw Error("later"); }), 1);
+  EXPECT_EQ(run([&]() -> int {
+              write();
+              throw Error("later");
+            }),
+            1);
   EXPECT_TRUE(fs::exists(created.parent_path() / "picture.png"));
   EXPECT_FALSE(fs::exists(created));
   fs::remove_all(existing / "a");
@@ -76,5 +76,4 @@ TEST(RunProgram, RemovesEmptyOutputFoldersAfterFailures)
   fs::remove_all(folder);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

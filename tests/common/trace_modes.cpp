@@ -16,22 +16,19 @@
 
 #include <cstdlib>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr TraceMode allModes[] = {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16,
                                   TraceMode::Stream};
 
 /* Primary rays at a cube. Their number is not a multiple of packets or streams. */
-struct CubeRays
-{
+struct CubeRays {
   const Model model = makeCube();
   const BuiltScene scene{model, {RepresentationKind::Grid}, settings()};
   const std::vector<Ray> rays = primaryRays(Camera({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 40.0f, {101, 97}));
   const std::vector<SurfaceHit> expected = traceClosest(scene, rays, 1);
 
-  static BuildSettings settings()
-  {
+  static BuildSettings settings() {
     BuildSettings build;
     build.level = 3;
     build.threads = 1;
@@ -39,19 +36,16 @@ struct CubeRays
   }
 };
 
-TEST(KeptHits, EveryQueryModeMatchesSingleRays)
-{
+TEST(KeptHits, EveryQueryModeMatchesSingleRays) {
   const CubeRays cube;
   for (TraceMode mode : allModes)
-    for (Query query : {Closest, Any})
-    {
+    for (Query query : {Closest, Any}) {
       const std::vector<HitRecord> kept = recordHits(cube.scene, cube.rays, {query, mode, true, 3, 1});
       ASSERT_EQ(kept.size(), cube.rays.size());
       EXPECT_EQ(compareHitRecords(kept, recordHits(cube.scene, cube.rays, {query, mode, true, 1, 1})).all(), 0u)
-        << "with one thread";
+          << "with one thread";
       size_t others = 0; // packets may round differently for grazing rays
-      for (size_t i = 0; i < cube.rays.size(); i++)
-      {
+      for (size_t i = 0; i < cube.rays.size(); i++) {
         const SurfaceHit& hit = cube.expected[i];
         const bool same = query == Any || !hit.hit() ||
                           (kept[i].primitive == hit.face && std::abs(kept[i].t - hit.t) < 1e-4f &&
@@ -62,8 +56,7 @@ TEST(KeptHits, EveryQueryModeMatchesSingleRays)
     }
 }
 
-TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion)
-{
+TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion) {
   HitRecord hit;
   hit.hit = true;
   hit.t = 2;
@@ -84,47 +77,39 @@ TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion)
   EXPECT_EQ(found.all(), 4u);
 }
 
-TEST(KeptHits, NaNEqualsNaN)
-{
+TEST(KeptHits, NaNEqualsNaN) {
   HitRecord hit;
   hit.hit = true;
   hit.normal.x = NAN;
   EXPECT_EQ(compareHitRecords({hit}, {hit}).all(), 0u);
 }
 
-TEST(TraceTiming, EveryModeFindsTheSameHits)
-{
+TEST(TraceTiming, EveryModeFindsTheSameHits) {
   const CubeRays cube;
   size_t expected = 0;
-  for (const SurfaceHit& hit : cube.expected)
-    expected += hit.hit();
+  for (const SurfaceHit& hit : cube.expected) expected += hit.hit();
   ASSERT_GT(expected, cube.rays.size() / 20);
   ASSERT_LT(expected, cube.rays.size());
   for (TraceMode mode : allModes)
     for (Query query : {Closest, Any})
       for (bool coherent : {false, true})
-        for (unsigned threads : {1u, 3u})
-        {
+        for (unsigned threads : {1u, 3u}) {
           const TraceTiming timing = timeTrace(cube.scene, cube.rays, {query, mode, coherent, threads, 2});
           /* Packets may round differently for grazing rays. */
           EXPECT_NEAR(double(timing.hits), double(expected), 3.0)
-            << traceModeName(mode) << ", " << queryName(query) << ", " << threads << " threads";
+              << traceModeName(mode) << ", " << queryName(query) << ", " << threads << " threads";
           EXPECT_GT(timing.seconds, 0.0);
         }
 }
 
-TEST(TraceTiming, ThreadsThatTheSystemRefusesAreReported)
-{
+TEST(TraceTiming, ThreadsThatTheSystemRefusesAreReported) {
   const CubeRays cube;
   const auto child = [&] {
     limitAddressSpace(size_t(64) << 20);
-    try
-    {
+    try {
       const unsigned passes = 10000; // work for all threads
       timeTrace(cube.scene, cube.rays, {Closest, TraceMode::Single, false, 10000, passes});
-    }
-    catch (const Error& e)
-    {
+    } catch (const Error& e) {
       const std::string message = e.what(); // ends with the number of threads that are possible
       const unsigned long most = std::strtoul(&message[message.find_last_not_of("0123456789") + 1], nullptr, 10);
       std::_Exit(containsInOrder(message, {" 10000 "}) && most > 0 && most < 10000 ? 0 : 1);
@@ -134,14 +119,11 @@ TEST(TraceTiming, ThreadsThatTheSystemRefusesAreReported)
   EXPECT_EXIT(child(), testing::ExitedWithCode(0), "");
 }
 
-TEST(TraceTiming, NamesRoundTrip)
-{
-  for (TraceMode mode : allModes)
-    EXPECT_EQ(parseTraceMode(traceModeName(mode)), mode);
+TEST(TraceTiming, NamesRoundTrip) {
+  for (TraceMode mode : allModes) EXPECT_EQ(parseTraceMode(traceModeName(mode)), mode);
   EXPECT_EQ(parseQuery("any"), Any);
   EXPECT_THROW(parseTraceMode("packet"), Error);
   EXPECT_THROW(parseQuery(""), Error);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

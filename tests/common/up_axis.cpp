@@ -13,13 +13,11 @@
 
 #include <sstream>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* --- shapes with y up, standing on y = 0, facing z ----------------------------------------- */
 
-void addBox(Cage& cage, Vec3f lower, Vec3f upper)
-{
+void addBox(Cage& cage, Vec3f lower, Vec3f upper) {
   const unsigned first = unsigned(cage.positions.size());
   for (unsigned i = 0; i < 8; i++)
     cage.positions.push_back({i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z});
@@ -29,22 +27,18 @@ void addBox(Cage& cage, Vec3f lower, Vec3f upper)
 }
 
 /* Rings of 16 vertices around the y axis. */
-Cage turnedOnALathe(const std::vector<Vec2f>& radiusAndHeight)
-{
+Cage turnedOnALathe(const std::vector<Vec2f>& radiusAndHeight) {
   constexpr unsigned n = 16;
   Cage cage;
   for (const Vec2f ring : radiusAndHeight)
-    for (unsigned i = 0; i < n; i++)
-    {
+    for (unsigned i = 0; i < n; i++) {
       const float angle = 2.0f * float(M_PI) * float(i) / float(n);
       cage.positions.push_back({ring.x * std::cos(angle), ring.y, ring.x * std::sin(angle)});
     }
   for (unsigned r = 0; r + 1 < radiusAndHeight.size(); r++)
-    for (unsigned i = 0; i < n; i++)
-    {
+    for (unsigned i = 0; i < n; i++) {
       const unsigned j = (i + 1) % n;
-      for (const unsigned v : {r * n + i, r * n + n + i, r * n + n + j, r * n + j})
-        cage.faceIndices.push_back(v);
+      for (const unsigned v : {r * n + i, r * n + n + i, r * n + n + j, r * n + j}) cage.faceIndices.push_back(v);
       cage.faceSizes.push_back(4);
     }
   return cage;
@@ -53,33 +47,27 @@ Cage turnedOnALathe(const std::vector<Vec2f>& radiusAndHeight)
 Cage pawn() { return turnedOnALathe({{1, 0}, {1, 0.3f}, {0.4f, 0.8f}, {0.3f, 1.8f}, {0.6f, 2.2f}, {0.3f, 2.8f}}); }
 Cage glass() { return turnedOnALathe({{0.8f, 0}, {0.1f, 0.1f}, {0.1f, 1.5f}, {0.9f, 2.2f}, {0.8f, 3.2f}}); }
 
-Cage table()
-{
+Cage table() {
   Cage cage;
   addBox(cage, {-1, 1, -0.8f}, {1, 1.1f, 0.8f});
   for (const float x : {-0.9f, 0.8f})
-    for (const float z : {-0.7f, 0.6f})
-      addBox(cage, {x, 0, z}, {x + 0.1f, 1, z + 0.1f});
+    for (const float z : {-0.7f, 0.6f}) addBox(cage, {x, 0, z}, {x + 0.1f, 1, z + 0.1f});
   return cage;
 }
 
-Cage chair()
-{
+Cage chair() {
   Cage cage;
   addBox(cage, {-0.5f, 0.5f, -0.5f}, {0.5f, 0.6f, 0.5f});
   addBox(cage, {-0.5f, 0.6f, -0.5f}, {0.5f, 1.3f, -0.4f});
   for (const float x : {-0.5f, 0.4f})
-    for (const float z : {-0.5f, 0.4f})
-      addBox(cage, {x, 0, z}, {x + 0.1f, 0.5f, z + 0.1f});
+    for (const float z : {-0.5f, 0.4f}) addBox(cage, {x, 0, z}, {x + 0.1f, 0.5f, z + 0.1f});
   return cage;
 }
 
 /* A person: feet that extend to the front, arms to the sides, a nose. */
-Cage person()
-{
+Cage person() {
   Cage cage;
-  for (const float side : {-1.0f, 1.0f})
-  {
+  for (const float side : {-1.0f, 1.0f}) {
     const auto pair = [&](Vec3f inner, Vec3f outer) {
       const float a = side * inner.x, b = side * outer.x;
       addBox(cage, {std::min(a, b), inner.y, inner.z}, {std::max(a, b), outer.y, outer.z});
@@ -94,15 +82,13 @@ Cage person()
   return cage;
 }
 
-Cage dog()
-{
+Cage dog() {
   Cage cage;
   addBox(cage, {-0.15f, 0.4f, -0.5f}, {0.15f, 0.7f, 0.5f});
   addBox(cage, {-0.1f, 0.65f, 0.5f}, {0.1f, 0.9f, 0.8f});
   addBox(cage, {-0.03f, 0.6f, -0.8f}, {0.03f, 0.7f, -0.5f});
   for (const float x : {-0.15f, 0.05f})
-    for (const float z : {-0.45f, 0.35f})
-      addBox(cage, {x, 0, z}, {x + 0.1f, 0.4f, z + 0.1f});
+    for (const float z : {-0.45f, 0.35f}) addBox(cage, {x, 0, z}, {x + 0.1f, 0.4f, z + 0.1f});
   return cage;
 }
 
@@ -111,13 +97,11 @@ Cage dog()
 Cage mask() // open and flat at its back; a nose
 {
   Cage cage = turnedOnALathe({{1, 0}, {0.9f, 0.4f}, {0.5f, 0.7f}, {0.2f, 0.8f}});
-  for (Vec3f& p : cage.positions)
-    p = {0.8f * p.x, -p.z * (p.z > 0 ? 1.3f : 1.0f), p.y};
+  for (Vec3f& p : cage.positions) p = {0.8f * p.x, -p.z * (p.z > 0 ? 1.3f : 1.0f), p.y};
   return cage;
 }
 
-Cage gun()
-{
+Cage gun() {
   Cage cage;
   addBox(cage, {-0.03f, -0.08f, 0}, {0.03f, 0.08f, 0.3f});
   addBox(cage, {-0.02f, 0, 0.3f}, {0.02f, 0.05f, 1});
@@ -144,70 +128,48 @@ Cage sword() // lying on the ground
 /* --- rotated -------------------------------------------------------------------------------- */
 
 template<typename Turn>
-Cage moved(Cage cage, const Turn& turn)
-{
-  for (Vec3f& p : cage.positions)
-    p = turn(p);
+Cage moved(Cage cage, const Turn& turn) {
+  for (Vec3f& p : cage.positions) p = turn(p);
   return cage;
 }
 
 Vec3f toZ(Vec3f p) { return {p.x, -p.z, p.y}; } // z up, facing -y, as in Blender
 
-const std::pair<const char*, Cage (*)()> standing[] = {{"pawn", pawn}, {"glass", glass}, {"table", table},
-                                                       {"person", person}, {"dog", dog}};
+const std::pair<const char*, Cage (*)()> standing[] = {
+    {"pawn", pawn}, {"glass", glass}, {"table", table}, {"person", person}, {"dog", dog}};
 
-TEST(UpAxis, IsYForShapesStandingOnY)
-{
-  for (const auto& [name, make] : standing)
-  {
+TEST(UpAxis, IsYForShapesStandingOnY) {
+  for (const auto& [name, make] : standing) {
     EXPECT_EQ(guessUp(make()).axis, "y") << name;
-    EXPECT_EQ(guessUp(moved(make(),
-                            [](Vec3f p) {
-                              return Vec3f{p.z, p.y, -p.x};
-                            }))
-                .axis,
-              "y")
-      << name << " looking along x";
-    EXPECT_EQ(guessUp(moved(make(),
-                            [](Vec3f p) {
-                              return Vec3f{-p.x, p.y, -p.z};
-                            }))
-                .axis,
-              "y")
-      << name << " looking back";
+    EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return Vec3f{p.z, p.y, -p.x}; })).axis, "y")
+        << name << " looking along x";
+    EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return Vec3f{-p.x, p.y, -p.z}; })).axis, "y")
+        << name << " looking back";
     EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return p + Vec3f{0, -0.5f, 0}; })).axis, "y") << name << " sunken";
     EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return p + Vec3f{3, 0, 2}; })).axis, "y") << name << " elsewhere";
     EXPECT_EQ(guessUp(make()).reason, "") << name;
   }
 }
 
-TEST(UpAxis, IsZForShapesStandingOnZ)
-{
-  for (const auto& [name, make] : standing)
-  {
+TEST(UpAxis, IsZForShapesStandingOnZ) {
+  for (const auto& [name, make] : standing) {
     const UpGuess guess = guessUp(moved(make(), toZ));
     EXPECT_EQ(guess.axis, "z") << name;
     EXPECT_NE(guess.reason.find("z = 0"), std::string::npos) << name << ": " << guess.reason;
   }
 }
 
-TEST(UpAxis, IsYIfAmbiguous)
-{
-  const std::pair<const char*, Cage> shapes[] = {{"mask", mask()},
-                                                 {"gun", gun()},
-                                                 {"shield", shield()},
-                                                 {"sword", sword()},
-                                                 {"chair", chair()},
-                                                 {"chair that could lie on its front", moved(chair(), toZ)},
-                                                 {"person upside down in z", moved(person(),
-                                                                                   [](Vec3f p) {
-                                                                                     return Vec3f{p.x, p.z, -p.y};
-                                                                                   })},
-                                                 {"person in the air", moved(moved(person(), toZ), [](Vec3f p) {
-                                                    return p + Vec3f{0, 0, 0.5f};
-                                                  })}};
-  for (const auto& [name, cage] : shapes)
-    EXPECT_EQ(guessUp(cage).axis, "y") << name << ": " << guessUp(cage).reason;
+TEST(UpAxis, IsYIfAmbiguous) {
+  const std::pair<const char*, Cage> shapes[] = {
+      {"mask", mask()},
+      {"gun", gun()},
+      {"shield", shield()},
+      {"sword", sword()},
+      {"chair", chair()},
+      {"chair that could lie on its front", moved(chair(), toZ)},
+      {"person upside down in z", moved(person(), [](Vec3f p) { return Vec3f{p.x, p.z, -p.y}; })},
+      {"person in the air", moved(moved(person(), toZ), [](Vec3f p) { return p + Vec3f{0, 0, 0.5f}; })}};
+  for (const auto& [name, cage] : shapes) EXPECT_EQ(guessUp(cage).axis, "y") << name << ": " << guessUp(cage).reason;
   Cage flat;
   flat.positions = {{0, -1, 0}, {1, -1, 0}, {1, 1, 0}, {0, 1, 0}};
   flat.faceIndices = {0, 1, 2, 3};
@@ -215,15 +177,13 @@ TEST(UpAxis, IsYIfAmbiguous)
   EXPECT_EQ(guessUp(flat).axis, "y");
 }
 
-TEST(UpAxis, IsYForAllCagesThatProgramsMake)
-{
+TEST(UpAxis, IsYForAllCagesThatProgramsMake) {
   for (const Cage& cage : {makeCube(0.1f).cage, makeFrog(0.1f, 0).cage, makeKnee(0.1f, 0).cage,
                            makeScythe(0.1f, 0).cage, makeTrexCage().cage})
     EXPECT_EQ(guessUp(cage).axis, "y") << guessUp(cage).reason;
 }
 
-TEST(UpAxis, ConsidersFacesOnly)
-{
+TEST(UpAxis, ConsidersFacesOnly) {
   Cage cage = moved(pawn(), toZ);
   cage.positions.push_back({7, 8, -9});
   EXPECT_EQ(guessUp(cage).axis, "z");
@@ -231,15 +191,13 @@ TEST(UpAxis, ConsidersFacesOnly)
 
 /* --- comments --------------------------------------------------------------------------------- */
 
-std::string upOf(const std::string& comments)
-{
+std::string upOf(const std::string& comments) {
   std::istringstream stream(comments + "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n# z up\n");
   std::string warnings;
   return guessUp(readObj(stream, "test.obj", warnings)).axis;
 }
 
-TEST(UpAxis, IsReadFromTheHeadOfTheFile)
-{
+TEST(UpAxis, IsReadFromTheHeadOfTheFile) {
   for (const char* z :
        {"# Z up\n", "# z-up\n", "# Up axis: Z\n", "# made by hand\n#up=z\n", "# forward -Y, up Z\n", "# ZUP\n",
         "# Z axis up\n", "# OpenSCAD obj exporter\n", "# FreeCAD v0.20 build29177 Arch module\n"})
@@ -250,8 +208,7 @@ TEST(UpAxis, IsReadFromTheHeadOfTheFile)
     EXPECT_EQ(upOf(y), "y") << y;
 }
 
-TEST(UpAxis, CommentInTheFileOverridesTheShape)
-{
+TEST(UpAxis, CommentInTheFileOverridesTheShape) {
   Cage cage = moved(pawn(), toZ);
   cage.comments = " y up\n";
   EXPECT_EQ(guessUp(cage).axis, "y");
@@ -262,13 +219,11 @@ TEST(UpAxis, CommentInTheFileOverridesTheShape)
 
 /* --- hints ------------------------------------------------------------------------------------ */
 
-TEST(UpAxis, HintsConvertInBothDirections)
-{
+TEST(UpAxis, HintsConvertInBothDirections) {
   const Vec3f ups[] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-1, 0, 0}};
   ASSERT_EQ(upAxes().size(), std::size(ups));
   const ViewHints hints;
-  for (size_t i = 0; i < std::size(ups); i++)
-  {
+  for (size_t i = 0; i < std::size(ups); i++) {
     const ViewHints turned = rotatedFromY(hints, upAxes()[i]), back = rotatedToY(turned, upAxes()[i]);
     EXPECT_EQ(length(turned.up - ups[i]), 0.0f) << upAxes()[i];
     EXPECT_FLOAT_EQ(dot(turned.direction, turned.up), dot(hints.direction, hints.up)) << upAxes()[i];
@@ -277,5 +232,4 @@ TEST(UpAxis, HintsConvertInBothDirections)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -49,9 +49,7 @@ def files():
     return [
         path
         for path in paths
-        if (ROOT / path).is_file()
-        and str(path) not in LISTS
-        and not any(path.match(pattern) for pattern in NOT_OURS)
+        if (ROOT / path).is_file() and str(path) not in LISTS and not any(path.match(pattern) for pattern in NOT_OURS)
     ]
 
 

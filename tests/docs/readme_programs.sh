@@ -11,7 +11,10 @@ set -eu
 cmake=$1 build=$2 source=$3 host=$4
 page=$source/README.md
 case $host in */libembree4.*) version=4 ;; *) version=3 ;; esac
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LD_LIBRARY_PATH EMBREE_CBVH PKG_CONFIG_PATH
@@ -22,7 +25,10 @@ block() {
 }
 
 "$cmake" --install "$build" --prefix "$work/opt" > "$work/log" ||
-  { cat "$work/log"; fail "cmake does not install $build"; }
+  {
+    cat "$work/log"
+    fail "cmake does not install $build"
+  }
 cd "$work"
 block c 1 > first_ray.c
 [ "$(wc -l < first_ray.c)" -le 25 ] && [ -s first_ray.c ] ||
@@ -41,9 +47,16 @@ echo "$output" | grep -qE '^face 1, distance 3\.[0-9]+$' || fail "the program pr
 
 # --- the page's CMake lines ---------------------------------------------------------------------------
 
-{ echo 'cmake_minimum_required(VERSION 3.10)'; echo 'project(first_ray C)'; block cmake 1; } > CMakeLists.txt
+{
+  echo 'cmake_minimum_required(VERSION 3.10)'
+  echo 'project(first_ray C)'
+  block cmake 1
+} > CMakeLists.txt
 "$cmake" -S . -B cmake -DCMAKE_PREFIX_PATH="$work/opt" > log 2>&1 && "$cmake" --build cmake >> log 2>&1 ||
-  { cat log; fail "the program does not build with the CMake lines of the page"; }
+  {
+    cat log
+    fail "the program does not build with the CMake lines of the page"
+  }
 [ "$(cmake/first_ray)" = "$output" ] || fail "the output of the program built by CMake differs"
 
 # --- in a scene of Embree ----------------------------------------------------------------------------
@@ -54,14 +67,14 @@ grep '^#include' lines > in_scene.c
 sed '/^#include <cbvh/d; s/^int main(void)/static CbvhGroup groupOfTheFirstProgram(void)/
      s/return fprintf\(.*\), 1;/return fprintf\1, NULL;/
      s/^  struct CbvhRayHit ray.*/  return group;/; /^  if (cbvhIntersect1/d' first_ray.c >> in_scene.c
-cat >> in_scene.c <<'EOF'
+cat >> in_scene.c << 'EOF'
 int main(void) {
   RTCDevice device = rtcNewDevice(NULL);
   RTCScene scene = rtcNewScene(device);
   CbvhGroup group = groupOfTheFirstProgram();
 EOF
 grep -v '^#include' lines >> in_scene.c
-cat >> in_scene.c <<'EOF'
+cat >> in_scene.c << 'EOF'
   rtcCommitScene(scene);
   struct RTCRayHit ray = {.ray = {.org_x = 0.1f, .org_z = 4, .dir_z = -1, .tfar = INFINITY, .mask = ~0u},
                           .hit = {.geomID = ~0u}};

@@ -10,8 +10,7 @@
 namespace cbvh::test {
 namespace {
 
-void decode(const VertHeader* block, uint32_t step)
-{
+void decode(const VertHeader* block, uint32_t step) {
   const auto decoded = std::make_unique<DecodedBlock>(block, step);
   float lower[3], upper[3];
   decoded->bounds(lower, upper);
@@ -19,7 +18,7 @@ void decode(const VertHeader* block, uint32_t step)
   const StepView view = viewOfStep(block, layout, step);
   REQUIRE(view.isLater == (step > 0) && (isRaw(view.info) || decoded->end <= (const uint8_t*)block + vertBytes(block)));
   if (isRaw(view.info)) {
-    for (uint32_t v = 0; v < (decoded->quadsX + 1)*(decoded->quadsY + 1); v++)
+    for (uint32_t v = 0; v < (decoded->quadsX + 1) * (decoded->quadsY + 1); v++)
       for (int k = 0; k < 3; k++) {
         const float x = rawCoordinate(view, v, k);
         REQUIRE(std::memcmp(&x, &decoded->vertices[v][k], sizeof(x)) == 0);
@@ -38,8 +37,7 @@ void writeSeeds(const std::string& folder) { writeBlockSeeds(folder); }
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   if (size == 0) return 0;
   const ExactMemory bytes(data, size, 16);

@@ -17,17 +17,16 @@ namespace cbvh::test {
 using namespace cvert;
 
 // isRigid: later steps have no residuals of their own, and therefore the fewest bytes
-inline void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawBlock, bool isRigid)
-{
+inline void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawBlock, bool isRigid) {
   static const auto encoder = std::make_unique<MotionEncoder>();
   std::vector<uint8_t> bytes(MotionEncoder::maxBytes(3));
   encoder->begin({packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads)}, 0, 1, 3, bytes.data());
   for (int step = 0; step < 3; step++) {
-    for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {
-      const uint32_t x = v % (quads + 1), y = v/(quads + 1);
-      encoder->vertices()[v][0] = float(16*x);
-      encoder->vertices()[v][1] = float(16*y) + float(isRigid ? step : step*(x*y % 5));
-      encoder->vertices()[v][2] = isRawBlock && v == 0 && step == 1 ? NAN : float(x*y % 5);
+    for (uint32_t v = 0; v < (quads + 1) * (quads + 1); v++) {
+      const uint32_t x = v % (quads + 1), y = v / (quads + 1);
+      encoder->vertices()[v][0] = float(16 * x);
+      encoder->vertices()[v][1] = float(16 * y) + float(isRigid ? step : step * (x * y % 5));
+      encoder->vertices()[v][2] = isRawBlock && v == 0 && step == 1 ? NAN : float(x * y % 5);
     }
     encoder->addStep();
   }
@@ -38,8 +37,7 @@ inline void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawB
   writeSeed(path, std::string((const char*)bytes.data(), size));
 }
 
-inline void writeBlockSeeds(const std::string& folder)
-{
+inline void writeBlockSeeds(const std::string& folder) {
   auto encoder = std::make_unique<VertEncoder>();
   std::vector<uint8_t> bytes(VertEncoder::maxBytes);
   int n = 0;
@@ -50,11 +48,11 @@ inline void writeBlockSeeds(const std::string& folder)
   for (uint32_t quads : {1u, 4u, 7u, 16u})
     for (bool isRawBlock : {false, true})
       for (bool hasEdges : {false, true}) {
-        for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {
-          const uint32_t x = v % (quads + 1), y = v/(quads + 1);
-          encoder->vertices[v][0] = float(16*x);
-          encoder->vertices[v][1] = float(16*y);
-          encoder->vertices[v][2] = isRawBlock && v == 0 ? NAN : float(x*y % 5);
+        for (uint32_t v = 0; v < (quads + 1) * (quads + 1); v++) {
+          const uint32_t x = v % (quads + 1), y = v / (quads + 1);
+          encoder->vertices[v][0] = float(16 * x);
+          encoder->vertices[v][1] = float(16 * y);
+          encoder->vertices[v][2] = isRawBlock && v == 0 ? NAN : float(x * y % 5);
         }
         VertPlacement at(packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads));
         if (hasEdges) at = VertPlacement(at.region, at.patchQuads, packEdges(1, quads, quads, quads, 1, 5));

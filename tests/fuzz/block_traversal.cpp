@@ -33,21 +33,19 @@ using embree::isa::cbvh::VoxelVisitor1;
 
 // RAY: within Embree's limits, and close enough to the block, relative to its size, that floats do not overflow in
 // its frame.
-bool isSound(const RayBytes& ray, const Block* block)
-{
+bool isSound(const RayBytes& ray, const Block* block) {
   double length = 0, distance = 0, stretch = 0;
   for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
   for (int k = 0; k < 3; k++) distance = std::fmax(distance, std::fabs(double(ray.org[k]) - double(block->center[k])));
   for (const auto& column : block->columns)
     for (float c : column) stretch = std::fmax(stretch, std::fabs(c));
-  return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 &&
+  return distance * stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 &&
          ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
 }
 
 // FRAME: as computed by fitBox (framed/frame_fit.h): the box is a bounded region of the world of at least the
 // smallest size, no side is much shorter than another, and W is in its range.
-bool isSound(const Block* block)
-{
+bool isSound(const Block* block) {
   bool ok = isFinite(block->center);
   double least = INFINITY, most = 0; // of 1 over a side
   for (int k = 0; k < 3; k++) {
@@ -56,7 +54,7 @@ bool isSound(const Block* block)
     least = std::fmin(least, stretch);
     most = std::fmax(most, stretch);
   }
-  ok &= most <= 1e31 && minExtentRatio*most <= 64*least;
+  ok &= most <= 1e31 && minExtentRatio * most <= 64 * least;
   if (!ok) return false;
   const FrameMap map = frameMap(block);
   for (int i = 0; i < 8; i++) {
@@ -64,32 +62,33 @@ bool isSound(const Block* block)
     ok &= unproject(map, i & 1, (i >> 1) & 1, i >> 2, corner);
     // a frame is slightly larger than its contents
     ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <=
-                 64*double(maxCoordinate);
+                   64 * double(maxCoordinate);
     const double W = ok ? map.W(corner) : 0;
-    ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // fitBox requires 2, before rounding
+    ok &= W > 1 / (2.5 * maxWRatio) && W < 2.5 * maxWRatio; // fitBox requires 2, before rounding
   }
   return ok;
 }
 
 // A context whose filter receives every candidate.
-struct Trace : RTCIntersectContext
-{
+struct Trace : RTCIntersectContext {
   const Block* block;
   bool sound, accepts;
   size_t hits = 0;
   float tnear, tfar;
 
   Trace(const Block* block, const RayBytes& ray, bool sound, bool accepts)
-    : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
-  {
+    : block(block),
+      sound(sound),
+      accepts(accepts),
+      tnear(ray.tnear),
+      tfar(ray.tfar) {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
   }
 
-  void see(const RTCFilterFunctionNArguments* args)
-  {
-    const size_t quads = size_t(1) << (2*block->height());
-    REQUIRE(++hits <= 4*quads);
+  void see(const RTCFilterFunctionNArguments* args) {
+    const size_t quads = size_t(1) << (2 * block->height());
+    REQUIRE(++hits <= 4 * quads);
     const float t = ((const RTCRay*)args->ray)->tfar;
     const RTCHit& hit = *(const RTCHit*)args->hit;
     if (sound) {
@@ -97,8 +96,8 @@ struct Trace : RTCIntersectContext
       REQUIRE(std::isfinite(hit.u) && std::isfinite(hit.v));
       if (block->kind() != Kind::CGRID) {
         const float n = float(1u << block->height()), slack = 1e-6f;
-        REQUIRE(hit.u >= block->faceU(0.0f) - slack && hit.u <= block->faceU(n) + slack*block->faceU(n));
-        REQUIRE(hit.v >= block->faceV(0.0f) - slack && hit.v <= block->faceV(n) + slack*block->faceV(n));
+        REQUIRE(hit.u >= block->faceU(0.0f) - slack && hit.u <= block->faceU(n) + slack * block->faceU(n));
+        REQUIRE(hit.v >= block->faceV(0.0f) - slack && hit.v <= block->faceV(n) + slack * block->faceV(n));
         REQUIRE(std::isfinite(hit.Ng_x) && std::isfinite(hit.Ng_y) && std::isfinite(hit.Ng_z));
       }
     }
@@ -108,8 +107,7 @@ struct Trace : RTCIntersectContext
 };
 
 template<template<typename> class Leaf>
-void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
-{
+void trace(RTCScene scene, const RayBytes& bytes, const Block* block) {
   const bool sound = isSound(bytes, block) && isSound(block);
   const Ray ray = bytes.ray();
   bool found[2];
@@ -137,16 +135,15 @@ void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
 
 enum Surface { WAVES, SPIKES, FOLDED, HOLES, SURFACES };
 
-std::vector<float> sheet(Surface surface, uint32_t n)
-{
+std::vector<float> sheet(Surface surface, uint32_t n) {
   std::vector<float> vertices;
   for (uint32_t j = 0; j <= n; j++)
     for (uint32_t i = 0; i <= n; i++) {
-      const float x = float(i)/float(n), y = float(j)/float(n);
-      float p[3] = {x + 0.1f*x*y, y, 0.1f*std::sin(5*x + 3*y)};
-      if (surface == SPIKES && (5*i + 3*j) % 7 == 0) p[2] += 0.5f;
-      if (surface == FOLDED) p[0] += 0.3f*std::sin(9*x);
-      if (surface == HOLES && (i + 2*j) % 5 == 1) p[2] = NAN;
+      const float x = float(i) / float(n), y = float(j) / float(n);
+      float p[3] = {x + 0.1f * x * y, y, 0.1f * std::sin(5 * x + 3 * y)};
+      if (surface == SPIKES && (5 * i + 3 * j) % 7 == 0) p[2] += 0.5f;
+      if (surface == FOLDED) p[0] += 0.3f * std::sin(9 * x);
+      if (surface == HOLES && (i + 2 * j) % 5 == 1) p[2] = NAN;
       vertices.insert(vertices.end(), p, p + 3);
     }
   return vertices;
@@ -154,8 +151,7 @@ std::vector<float> sheet(Surface surface, uint32_t n)
 
 } // namespace
 
-void writeSeeds(const std::string& directory)
-{
+void writeSeeds(const std::string& directory) {
   for (Kind kind : {Kind::CGRID, Kind::CVOXEL, Kind::CLEAF})
     for (uint32_t height = 0; height <= 4; height++)
       for (int surface = 0; surface < SURFACES; surface++) {
@@ -163,9 +159,10 @@ void writeSeeds(const std::string& directory)
         const auto* p = (const float(*)[3])vertices.data();
         const uint32_t w = (1u << height) + 1;
         float corners[4][3];
-        for (int c = 0; c < 4; c++) memcpy(corners[c], p[(c>>1)*(w-1)*w + (c&1)*(w-1)], sizeof(corners[c]));
-        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1),
-          memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Vec3fa) + 1);
+        for (int c = 0; c < 4; c++)
+          memcpy(corners[c], p[(c >> 1) * (w - 1) * w + (c & 1) * (w - 1)], sizeof(corners[c]));
+        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height) / sizeof(Vec3fa) + 1),
+            memory(blockLayout(uint32_t(kind), height).bytes / sizeof(Vec3fa) + 1);
         Block* block = (Block*)memory.data();
         BlockEncoder encoder(kind, height, p, scratch.data());
         BlockStatistics statistics;
@@ -174,15 +171,14 @@ void writeSeeds(const std::string& directory)
         block->surface = block->primID = 0;
         block->tiling = blockTiling(3, 3, 0, 0);
         writeSeedsWithRays(directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" +
-                             std::to_string(surface),
+                               std::to_string(surface),
                            block, block->layout().bytes);
       }
 }
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   static const World world;
   RayBytes ray;

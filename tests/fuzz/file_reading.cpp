@@ -21,11 +21,11 @@ namespace cbvh::test {
 namespace {
 
 // A file in memory with a path.
-class MemoryFile
-{
+class MemoryFile {
 public:
   explicit MemoryFile(const std::string& bytes)
-    : file(memfd_create("fuzz", 0)), path("/proc/self/fd/" + std::to_string(file)) {
+    : file(memfd_create("fuzz", 0)),
+      path("/proc/self/fd/" + std::to_string(file)) {
     REQUIRE(file >= 0 && write(file, bytes.data(), bytes.size()) == ssize_t(bytes.size()));
   }
   MemoryFile(const MemoryFile&) = delete;
@@ -45,20 +45,18 @@ bool isInside(uint64_t begin, uint64_t bytes, const std::string& file) {
 }
 
 template<typename T>
-T at(const std::string& file, uint64_t offset)
-{
+T at(const std::string& file, uint64_t offset) {
   T value;
   std::memcpy(&value, &file[offset], sizeof(value));
   return value;
 }
 
-void seal(std::string& file)
-{
+void seal(std::string& file) {
   if (file.size() < sizeof(FileHeader)) return;
   FileHeader header = at<FileHeader>(file, 0);
-  if (isInside(header.directory, uint64_t(header.numGeometries)*sizeof(FileGeometry), file)) {
+  if (isInside(header.directory, uint64_t(header.numGeometries) * sizeof(FileGeometry), file)) {
     for (uint32_t i = 0; i < header.numGeometries; i++) {
-      const uint64_t begin = header.directory + i*sizeof(FileGeometry);
+      const uint64_t begin = header.directory + i * sizeof(FileGeometry);
       FileGeometry record = at<FileGeometry>(file, begin);
       if (isInside(record.tree, record.treeBytes, file))
         record.treeChecksum = fileChecksum(&file[record.tree], record.treeBytes);
@@ -66,7 +64,7 @@ void seal(std::string& file)
         record.blocksChecksum = fileChecksum(&file[record.blocks], record.blockBytes);
       std::memcpy(&file[begin], &record, sizeof(record));
     }
-    header.directoryChecksum = fileChecksum(&file[header.directory], header.numGeometries*sizeof(FileGeometry));
+    header.directoryChecksum = fileChecksum(&file[header.directory], header.numGeometries * sizeof(FileGeometry));
   }
   header.checksum = fileChecksum(&header, offsetof(FileHeader, checksum));
   std::memcpy(&file[0], &header, sizeof(header));
@@ -75,15 +73,14 @@ void seal(std::string& file)
 // --- seeds -----------------------------------------------------------------------------------
 
 // quads: per side of a geometry's only block
-std::string fileOf(uint32_t quads, uint32_t numSteps, size_t numGeometries = 1)
-{
+std::string fileOf(uint32_t quads, uint32_t numSteps, size_t numGeometries = 1) {
   const VertPlacement place(packRegion(quads, quads, 0, 0), packPatchQuads(quads, quads));
-  std::vector<uint64_t> memory(MotionEncoder::maxBytes(numSteps)/8 + 1);
-  auto fill = [&](float (*vertices)[3], uint32_t step) {
-    for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {
+  std::vector<uint64_t> memory(MotionEncoder::maxBytes(numSteps) / 8 + 1);
+  auto fill = [&](float(*vertices)[3], uint32_t step) {
+    for (uint32_t v = 0; v < (quads + 1) * (quads + 1); v++) {
       vertices[v][0] = float(v % (quads + 1));
-      vertices[v][1] = float(v/(quads + 1));
-      vertices[v][2] = float(v*v % 5 + step)/4;
+      vertices[v][1] = float(v / (quads + 1));
+      vertices[v][2] = float(v * v % 5 + step) / 4;
     }
   };
   size_t bytes;
@@ -96,8 +93,7 @@ std::string fileOf(uint32_t quads, uint32_t numSteps, size_t numGeometries = 1)
     }
     MotionStatistics statistics;
     bytes = encoder->finish(statistics);
-  }
-  else {
+  } else {
     const auto encoder = std::make_unique<VertEncoder>();
     fill(encoder->vertices, 0);
     VertStatistics statistics;
@@ -127,8 +123,7 @@ std::string fileOf(uint32_t quads, uint32_t numSteps, size_t numGeometries = 1)
 }
 
 // A list as a tree with one node.
-std::string withTree(std::string file)
-{
+std::string withTree(std::string file) {
   const FileHeader header = at<FileHeader>(file, 0);
   FileGeometry record = at<FileGeometry>(file, header.directory);
   const FileEntry entry = at<FileEntry>(file, record.tree);
@@ -146,8 +141,7 @@ std::string withTree(std::string file)
 }
 
 // Both geometries have the same blocks, which is an error.
-std::string withOverlap(std::string file)
-{
+std::string withOverlap(std::string file) {
   const FileHeader header = at<FileHeader>(file, 0);
   const uint64_t second = header.directory + sizeof(FileGeometry);
   FileGeometry record = at<FileGeometry>(file, second);
@@ -158,15 +152,13 @@ std::string withOverlap(std::string file)
 
 // --- reading -----------------------------------------------------------------------------------
 
-void decode(const VertHeader* block)
-{
+void decode(const VertHeader* block) {
   const uint32_t numSteps = isMoving(block->info) ? motionOf(block).numSteps : 1;
   for (uint32_t step = 0; step < numSteps; step++) std::make_unique<DecodedBlock>(block, step);
 }
 
 // Decodes the valid cVERT and mesh blocks. Returns their number plus the number of blocks with frames.
-uint64_t decodeBlocks(const File& file, size_t i)
-{
+uint64_t decodeBlocks(const File& file, size_t i) {
   const FileGeometry& record = file.geometry(i);
   uint64_t valid = 0;
   const Reason reason = forEachBlock(record, file.tree(i), [&](FileChild type, uint64_t offset) {
@@ -185,8 +177,7 @@ uint64_t decodeBlocks(const File& file, size_t i)
   return valid;
 }
 
-void requireDisjointBlocks(const File& file)
-{
+void requireDisjointBlocks(const File& file) {
   std::vector<std::pair<uint64_t, uint64_t>> ranges; // begin, end
   for (size_t i = 0; i < file.size(); i++) {
     const FileGeometry& record = file.geometry(i);
@@ -196,15 +187,15 @@ void requireDisjointBlocks(const File& file)
   for (size_t i = 1; i < ranges.size(); i++) REQUIRE(ranges[i - 1].second <= ranges[i].first);
 }
 
-void read(const std::string& bytes)
-{
+void read(const std::string& bytes) {
   const MemoryFile memory(bytes);
   try {
     const File file(memory.path);
     requireDisjointBlocks(file);
     bool isVerified = true;
-    try { file.verify(); }
-    catch (const Error& error) {
+    try {
+      file.verify();
+    } catch (const Error& error) {
       isVerified = false;
       REQUIRE(std::string(error.what()).compare(0, memory.path.size(), memory.path) == 0);
     }
@@ -212,14 +203,12 @@ void read(const std::string& bytes)
       const uint64_t valid = decodeBlocks(file, i);
       REQUIRE(!isVerified || valid == file.geometry(i).numBlocks);
     }
-  }
-  catch (const Error& error) { REQUIRE(std::string(error.what()).compare(0, memory.path.size(), memory.path) == 0); }
+  } catch (const Error& error) { REQUIRE(std::string(error.what()).compare(0, memory.path.size(), memory.path) == 0); }
 }
 
 } // namespace
 
-void writeSeeds(const std::string& folder)
-{
+void writeSeeds(const std::string& folder) {
   int n = 0;
   for (uint32_t quads : {1u, 5u, 16u})
     for (uint32_t numSteps : {1u, 3u}) {
@@ -234,8 +223,7 @@ void writeSeeds(const std::string& folder)
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string file((const char*)data, size);
   ::cbvh::test::seal(file);
   ::cbvh::test::read(file);

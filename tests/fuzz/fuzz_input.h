@@ -23,18 +23,15 @@ namespace cbvh::test {
 // Writes the initial corpus of a target for --seeds=FOLDER. Each target defines it.
 void writeSeeds(const std::string& folder);
 
-inline void writeSeed(const std::string& path, const std::string& bytes)
-{
+inline void writeSeed(const std::string& path, const std::string& bytes) {
   FILE* file = std::fopen(path.c_str(), "wb");
   REQUIRE(file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fclose(file) == 0);
 }
 
 // Memory of exactly this size, so that sanitizers detect accesses beyond its end.
-class ExactMemory
-{
+class ExactMemory {
 public:
-  ExactMemory(const void* source, size_t bytes, size_t alignment)
-  {
+  ExactMemory(const void* source, size_t bytes, size_t alignment) {
     REQUIRE(posix_memalign(&memory, alignment, bytes) == 0);
     std::memcpy(memory, source, bytes);
   }
@@ -48,8 +45,7 @@ private:
 
 } // namespace cbvh::test
 
-extern "C" inline __attribute__((used)) int LLVMFuzzerInitialize(int* argc, char*** argv)
-{
+extern "C" inline __attribute__((used)) int LLVMFuzzerInitialize(int* argc, char*** argv) {
   const std::string option = "--seeds=";
   for (int i = 1; i < *argc; i++)
     if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0)

@@ -19,37 +19,36 @@ using cvert::isFinite;
 using cvert::maxCoordinate;
 
 // True for rays within Embree's limits. The distances of other rays' hits are arbitrary, as in Embree.
-inline bool isSound(const RayBytes& ray)
-{
+inline bool isSound(const RayBytes& ray) {
   double length = 0;
   for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
   return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate &&
          ray.tfar >= ray.tnear;
 }
 
-struct HitLimits
-{
+struct HitLimits {
   size_t most; // number of candidates of a ray
   float u, v;  // smallest parameters
 };
 
 // A context whose filter receives every candidate.
-struct FilteredTrace : RTCIntersectContext
-{
+struct FilteredTrace : RTCIntersectContext {
   const HitLimits limits;
   bool sound, accepts;
   size_t hits = 0;
   float tnear, tfar;
 
   FilteredTrace(const HitLimits& limits, const RayBytes& ray, bool accepts)
-    : limits(limits), sound(isSound(ray)), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
-  {
+    : limits(limits),
+      sound(isSound(ray)),
+      accepts(accepts),
+      tnear(ray.tnear),
+      tfar(ray.tfar) {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) { ((FilteredTrace*)args->context)->see(args); };
   }
 
-  void see(const RTCFilterFunctionNArguments* args)
-  {
+  void see(const RTCFilterFunctionNArguments* args) {
     REQUIRE(++hits <= limits.most);
     const float t = ((const RTCRay*)args->ray)->tfar;
     const RTCHit& hit = *(const RTCHit*)args->hit;
@@ -62,8 +61,7 @@ struct FilteredTrace : RTCIntersectContext
 
 // intersect(ray, context): for a RayHit and a Ray; returns true if a hit was accepted.
 template<typename Intersect>
-void traceAndCompare(RTCScene scene, const RayBytes& bytes, const HitLimits& limits, const Intersect& intersect)
-{
+void traceAndCompare(RTCScene scene, const RayBytes& bytes, const HitLimits& limits, const Intersect& intersect) {
   const bool sound = isSound(bytes);
   const Ray ray = bytes.ray();
   bool found[2];

@@ -10,8 +10,7 @@
 
 namespace cbvh::test {
 
-void writeSeeds(const std::string& folder)
-{
+void writeSeeds(const std::string& folder) {
   forEachMeshSeed([&](const std::string& name, const void* block, size_t bytes) {
     writeSeed(folder + "/" + name, std::string((const char*)block, bytes));
   });
@@ -19,8 +18,7 @@ void writeSeeds(const std::string& folder)
 
 namespace {
 
-void decode(const MeshHeader* block, uint32_t step)
-{
+void decode(const MeshHeader* block, uint32_t step) {
   const auto mesh = std::make_unique<DecodedMesh>(block, step);
   REQUIRE(mesh->numTriangles <= maxMeshTriangles && mesh->numVertices <= maxMeshVertices);
   for (uint32_t t = 0; t < mesh->numTriangles; t++)
@@ -33,15 +31,13 @@ void decode(const MeshHeader* block, uint32_t step)
       const DecodedMeshGroup group(view, g);
       for (uint32_t t = 0; t < group.numTriangles; t++)
         for (int c = 0; c < 3; c++) REQUIRE(group.indices[c][t] < group.numVertices);
-    }
-    else MeshStepView(view, step).groupBox(g, lower, upper);
+    } else MeshStepView(view, step).groupBox(g, lower, upper);
 }
 
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   if (size == 0) return 0;
   if (const ExactMemory bytes(data, size, 16); validateMesh(bytes.get(), size)) return 0;

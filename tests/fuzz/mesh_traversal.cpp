@@ -14,8 +14,7 @@
 
 namespace cbvh::test {
 
-void writeSeeds(const std::string& folder)
-{
+void writeSeeds(const std::string& folder) {
   forEachMeshSeed([&](const std::string& name, const void* block, size_t bytes) {
     writeSeedsWithRays(folder + "/" + name, block, bytes);
   });
@@ -32,15 +31,14 @@ using embree::isa::cbvh::VertRay;
 
 bool areEqual(float a, float b) { return memcmp(&a, &b, sizeof(a)) == 0 || (std::isnan(a) && std::isnan(b)); }
 
-void compareWithScalarDecoder(const MeshHeader* block)
-{
+void compareWithScalarDecoder(const MeshHeader* block) {
   const MeshView view(block);
   const CachedMeshBlock cached(VertRay(), (const VertHeader*)block);
   REQUIRE(cached.boxes().lanes == (1u << view.groups) - 1);
   for (uint32_t g = 0; g < view.groups; g++) {
     const DecodedMeshGroup group(view, g);
     for (uint32_t t = 0; t < group.numTriangles; t++) {
-      const MeshTriangles& half = cached.triangles(g, t/16);
+      const MeshTriangles& half = cached.triangles(g, t / 16);
       REQUIRE((half.lanes >> t % 16) & 1);
       for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++)
@@ -50,8 +48,7 @@ void compareWithScalarDecoder(const MeshHeader* block)
 }
 
 template<typename RayType>
-bool intersect(RayType& ray, IntersectContext* context, const MeshHeader* block)
-{
+bool intersect(RayType& ray, IntersectContext* context, const MeshHeader* block) {
   VertRay pre;
   return isMovingMesh(block) ? intersectMovingMesh(ray, context, pre, block) : intersectMesh(ray, context, pre, block);
 }
@@ -59,8 +56,7 @@ bool intersect(RayType& ray, IntersectContext* context, const MeshHeader* block)
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   static const World world;
   RayBytes ray;

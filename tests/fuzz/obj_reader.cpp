@@ -21,13 +21,11 @@ namespace {
 
 constexpr const char* name = "cage.obj";
 
-bool allBelow(const std::vector<unsigned>& indices, size_t count)
-{
+bool allBelow(const std::vector<unsigned>& indices, size_t count) {
   return std::all_of(indices.begin(), indices.end(), [&](unsigned i) { return i < count; });
 }
 
-void checkTextureCoordinates(const Cage& cage)
-{
+void checkTextureCoordinates(const Cage& cage) {
   REQUIRE(cage.uvIndices.empty() ? cage.uvs.empty() : cage.uvIndices.size() == cage.faceIndices.size());
   for (const Vec2f& uv : cage.uvs) REQUIRE(std::isfinite(uv.x) && std::isfinite(uv.y));
   if (!cage.hasUVs()) return;
@@ -42,8 +40,7 @@ void checkTextureCoordinates(const Cage& cage)
   REQUIRE(without < cage.numFaces() && (without == 0) == (cage.lineWithoutUVs == 0));
 }
 
-void check(const Cage& cage)
-{
+void check(const Cage& cage) {
   REQUIRE(cage.numFaces() > 0);
   REQUIRE(std::all_of(cage.faceSizes.begin(), cage.faceSizes.end(), [](unsigned size) { return size >= 3; }));
   REQUIRE(std::accumulate(cage.faceSizes.begin(), cage.faceSizes.end(), size_t(0)) == cage.faceIndices.size());
@@ -58,30 +55,26 @@ void check(const Cage& cage)
   for (float s : cage.cornerSharpness) REQUIRE(s >= 0);
 }
 
-bool isPrintable(const std::string& lines)
-{
+bool isPrintable(const std::string& lines) {
   return std::all_of(lines.begin(), lines.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
 }
 
 } // namespace
 
-void writeSeeds(const std::string& folder)
-{
+void writeSeeds(const std::string& folder) {
   size_t n = 0;
   for (const ObjDialect& dialect : objDialects()) writeSeed(folder + "/" + std::to_string(n++), dialect.text);
 }
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   std::istringstream stream(std::string(reinterpret_cast<const char*>(data), size));
   std::string warnings;
   try {
     check(::cbvh::readObj(stream, name, warnings));
-  }
-  catch (const ::cbvh::Error& e) {
+  } catch (const ::cbvh::Error& e) {
     const std::string message = e.what();
     REQUIRE(message.rfind(name, 0) == 0 && message.find('\n') == std::string::npos && isPrintable(message));
   }

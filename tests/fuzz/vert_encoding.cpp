@@ -23,8 +23,7 @@ namespace {
 using namespace cvert;
 
 // Precedes the vertices.
-struct Input
-{
+struct Input {
   uint8_t quadsX, quadsY; // minus 1, modulo 16
   int8_t exponent;        // of the lattice
   // bit 0: vertices are snapped; 1: edges; 2: 16-bit integers instead of floats; 3: moves; 4..6: number of later
@@ -32,18 +31,16 @@ struct Input
   uint8_t form;
 };
 
-bool sameVertex(float decoded, float given)
-{
+bool sameVertex(float decoded, float given) {
   return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0);
 }
 
 typedef std::vector<std::vector<std::array<float, 3>>> Steps; // vertices row by row
 
-std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float spacing)
-{
+std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float spacing) {
   if (steps.size() > 1) {
     auto encoder = std::make_unique<MotionEncoder>();
-    std::vector<uint64_t> words(MotionEncoder::maxBytes(steps.size())/8 + 4, 0xA5A5A5A5A5A5A5A5u);
+    std::vector<uint64_t> words(MotionEncoder::maxBytes(steps.size()) / 8 + 4, 0xA5A5A5A5A5A5A5A5u);
     uint8_t* const block = (uint8_t*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15));
     encoder->begin(at, 0, 1, uint32_t(steps.size()), block);
     for (const auto& step : steps) {
@@ -63,26 +60,27 @@ std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float 
   return bytes;
 }
 
-void encode(const uint8_t* data, size_t size)
-{
+void encode(const uint8_t* data, size_t size) {
   Input input;
   if (size < sizeof(input)) return;
   std::memcpy(&input, data, sizeof(input));
   data += sizeof(input);
   size -= sizeof(input);
-  const uint32_t quadsX = 1 + input.quadsX % 16, quadsY = 1 + input.quadsY % 16, count = (quadsX + 1)*(quadsY + 1);
+  const uint32_t quadsX = 1 + input.quadsX % 16, quadsY = 1 + input.quadsY % 16, count = (quadsX + 1) * (quadsY + 1);
   const WorldLattice lattice(std::min(std::max(int(input.exponent), minLatticeExponent), maxLatticeExponent));
   const bool isSnapped = input.form & 1, areIntegers = input.form & 4;
   const uint32_t numSteps = input.form & 8 ? 2 + ((input.form >> 4) & 7) : 1;
   Steps steps(numSteps, std::vector<std::array<float, 3>>(count));
   const size_t width = areIntegers ? sizeof(int16_t) : sizeof(float);
-  for (size_t i = 0; i < 3*size_t(count)*numSteps; i++) {
-    float& x = steps[i/3/count][i/3 % count][i % 3];
+  for (size_t i = 0; i < 3 * size_t(count) * numSteps; i++) {
+    float& x = steps[i / 3 / count][i / 3 % count][i % 3];
     x = 0;
-    if ((i + 1)*width <= size) {
+    if ((i + 1) * width <= size) {
       int16_t integer;
-      if (areIntegers) { std::memcpy(&integer, data + i*width, width); x = float(integer)*lattice.spacing; }
-      else std::memcpy(&x, data + i*width, width);
+      if (areIntegers) {
+        std::memcpy(&integer, data + i * width, width);
+        x = float(integer) * lattice.spacing;
+      } else std::memcpy(&x, data + i * width, width);
     }
     if (isSnapped) x = lattice.snap(x);
   }
@@ -111,22 +109,20 @@ void encode(const uint8_t* data, size_t size)
 
 } // namespace
 
-void writeSeeds(const std::string& folder)
-{
+void writeSeeds(const std::string& folder) {
   for (int n = 0; n < 12; n++) {
-    std::vector<uint8_t> bytes(sizeof(Input) + 6*17*17*(n < 3 ? 1 : 2 + (n & 3)));
+    std::vector<uint8_t> bytes(sizeof(Input) + 6 * 17 * 17 * (n < 3 ? 1 : 2 + (n & 3)));
     bytes[0] = uint8_t(n % 2 ? 15 : 6);
     bytes[1] = uint8_t(n % 3 ? 15 : 3);
     bytes[3] = uint8_t(5 | (n & 2) | (n < 3 ? 0 : 8 | (n & 3) << 4));
-    for (size_t i = sizeof(Input); i < bytes.size(); i++) bytes[i] = uint8_t((i*i >> n) % (n < 4 ? 3 : 200));
+    for (size_t i = sizeof(Input); i < bytes.size(); i++) bytes[i] = uint8_t((i * i >> n) % (n < 4 ? 3 : 200));
     writeSeed(folder + "/" + std::to_string(n), std::string(bytes.begin(), bytes.end()));
   }
 }
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   ::cbvh::test::encode(data, size);
   return 0;
 }

@@ -35,16 +35,15 @@ using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
 constexpr size_t alignment = 16;
-constexpr size_t readPadding = 16;   // equals vertReadPadding
+constexpr size_t readPadding = 16; // equals vertReadPadding
 
 // Returns the bytes of the block, including its table of numbers, wherever it is stored. Returns 0 if there are
 // fewer, or if such a block would not be traced.
-size_t blockBytes(const uint8_t* data, size_t size)
-{
+size_t blockBytes(const uint8_t* data, size_t size) {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  const bool hasOffsets = hasNumbers(header.info)
-    && (haveTrianglePairs(header.patchQuads) || patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
+  const bool hasOffsets = hasNumbers(header.info) && (haveTrianglePairs(header.patchQuads) ||
+                                                      patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
   if (isMoving(header.info) || hasRemainders(header.info) || hasOffsets) { // validated before traversal
     const ExactMemory aligned(data, size, alignment);
     return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
@@ -53,12 +52,13 @@ size_t blockBytes(const uint8_t* data, size_t size)
   if (size < layout.margins || (hasEdges(header.info) && hasNumbers(header.info))) return 0;
   size_t tableEnd = 0;
   if (hasNumbers(header.info)) {
-    if (firstCornerOfTriangle(header.patchQuads, false) > 2 || firstCornerOfTriangle(header.patchQuads,
-      true) > 2) return 0;
+    if (firstCornerOfTriangle(header.patchQuads, false) > 2 || firstCornerOfTriangle(header.patchQuads, true) > 2)
+      return 0;
     const VertNumbers numbers = numbersOf((const VertHeader*)data);
     if (patternOfNumbers(header.patchQuads) == numbersInTable) {
       if (numbers.y > 32) return 0;
-      tableEnd = size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region), numbers.y);
+      tableEnd =
+          size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region) * vertQuadsY(header.region), numbers.y);
     }
   }
   if (tableEnd > size) return 0;
@@ -67,26 +67,24 @@ size_t blockBytes(const uint8_t* data, size_t size)
   if (bytes > size) return 0;
   for (uint32_t g = 0; g < layout.groups; g++) {
     uint16_t low;
-    memcpy(&low, data + layout.words + 2*g, sizeof(low));
+    memcpy(&low, data + layout.words + 2 * g, sizeof(low));
     bytes += cellBytes(low);
   }
   return bytes <= size ? std::max(bytes, tableEnd) : 0;
 }
 
 template<typename RayType>
-bool intersect(RayType& ray, IntersectContext* context, const VertHeader* block)
-{
+bool intersect(RayType& ray, IntersectContext* context, const VertHeader* block) {
   VertRay pre;
   return isMoving(block->info) ? intersectMovingVert(ray, context, pre, block)
-                                  : intersectVert(ray, context, pre, block);
+                               : intersectVert(ray, context, pre, block);
 }
 
-void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
-{
+void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block) {
   invalidateThreadCaches();
   // each triangle of a group once, including degenerate ones in blocks of the encoder
-  const HitLimits limits = {32*vertLayout(block->region, block->info).groups,
-                            0.5f*float(vertCornerU(edgesOf(block))), 0.5f*float(vertCornerV(edgesOf(block)))};
+  const HitLimits limits = {32 * vertLayout(block->region, block->info).groups,
+                            0.5f * float(vertCornerU(edgesOf(block))), 0.5f * float(vertCornerV(edgesOf(block)))};
   traceAndCompare(scene, bytes, limits,
                   [&](auto& ray, IntersectContext* context) { return intersect(ray, context, block); });
 }
@@ -94,17 +92,16 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };
 
 // The vertices of an encoder, flipped over three steps. The last step is on a finer lattice.
-void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_t region, float spacing)
-{
+void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_t region, float spacing) {
   static const auto encoder = std::make_unique<MotionEncoder>();
-  std::vector<Vec3fa> memory(MotionEncoder::maxBytes(3)/sizeof(Vec3fa) + 2);
+  std::vector<Vec3fa> memory(MotionEncoder::maxBytes(3) / sizeof(Vec3fa) + 2);
   encoder->begin({region, packPatchQuads(vertQuadsX(region), vertQuadsY(region))}, 0, 1, 3, (uint8_t*)memory.data());
   for (int step = 0; step < 3; step++) {
-    const float unit = step == 2 ? spacing/2 : spacing;
+    const float unit = step == 2 ? spacing / 2 : spacing;
     for (uint32_t v = 0; v < still.numVertices(); v++) {
       const float* p = still.vertices[v];
-      const float q[3] = {p[0], p[1] + 0.1f*float(step)*p[2], p[2] - 0.1f*float(step)*p[1]};
-      for (int k = 0; k < 3; k++) encoder->vertices()[v][k] = std::round(q[k]/unit)*unit;
+      const float q[3] = {p[0], p[1] + 0.1f * float(step) * p[2], p[2] - 0.1f * float(step) * p[1]};
+      for (int k = 0; k < 3; k++) encoder->vertices()[v][k] = std::round(q[k] / unit) * unit;
     }
     encoder->addStep();
   }
@@ -117,45 +114,44 @@ void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_
 
 // The vertices of an encoder in a block that numbers its quads by a table, which is stored after its other bytes and
 // a gap.
-void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spacing, uint32_t quadsX, uint32_t quadsY)
-{
+void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spacing, uint32_t quadsX,
+                        uint32_t quadsY) {
   constexpr uint32_t bits = 9, gap = 256;
-  const uint32_t table = bytesOfNumberTable(quadsX*quadsY, bits);
-  std::vector<Vec3fa> memory((VertEncoder::maxBytes + gap + table)/sizeof(Vec3fa) + 2);
+  const uint32_t table = bytesOfNumberTable(quadsX * quadsY, bits);
+  std::vector<Vec3fa> memory((VertEncoder::maxBytes + gap + table) / sizeof(Vec3fa) + 2);
   uint8_t* const data = (uint8_t*)memory.data();
   VertStatistics statistics;
   const size_t bytes = encoder.encode(
-    VertPlacement(packRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
+      VertPlacement(packRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
   if (bytes == 0) return;
   VertHeader* block = (VertHeader*)data;
   block->surface = block->primID = 0;
   const VertNumbers numbers = {uint32_t(bytes) + gap, bits};
   memcpy(block + 1, &numbers, sizeof(numbers));
-  for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37*i);
+  for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37 * i);
   writeSeedsWithRays(name, block, numbers.x + table);
 }
 
 } // namespace
 
-void writeSeeds(const std::string& directory)
-{
-  const float spacing = 1.0f/4096;
+void writeSeeds(const std::string& directory) {
+  const float spacing = 1.0f / 4096;
   auto encoder = std::make_unique<VertEncoder>();
-  std::vector<Vec3fa> memory(VertEncoder::maxBytes/sizeof(Vec3fa) + 2);
+  std::vector<Vec3fa> memory(VertEncoder::maxBytes / sizeof(Vec3fa) + 2);
   for (uint32_t quadsX : {1, 4, 7, 16})
     for (uint32_t quadsY : {1, 5, 16})
       for (int surface = 0; surface < SURFACES; surface++) {
         for (uint32_t j = 0, i = 0; j <= quadsY; i == quadsX ? (j++, i = 0) : i++) {
-          const float x = float(i)/float(quadsX), y = float(j)/float(quadsY);
-          float z = surface == FLAT ? 0.25f*x : 0.1f*std::sin(5*x + 3*y);
-          if (surface == SPIKES && (5*i + 3*j) % 7 == 0) z += 0.5f;
-          const float p[3] = {x + 0.1f*x*y, y, z};
-          for (int k = 0; k < 3; k++) encoder->vertices[j*(quadsX + 1) + i][k] = std::round(p[k]/spacing)*spacing;
-          if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
+          const float x = float(i) / float(quadsX), y = float(j) / float(quadsY);
+          float z = surface == FLAT ? 0.25f * x : 0.1f * std::sin(5 * x + 3 * y);
+          if (surface == SPIKES && (5 * i + 3 * j) % 7 == 0) z += 0.5f;
+          const float p[3] = {x + 0.1f * x * y, y, z};
+          for (int k = 0; k < 3; k++) encoder->vertices[j * (quadsX + 1) + i][k] = std::round(p[k] / spacing) * spacing;
+          if (surface == HOLES && (i + 2 * j) % 5 == 1) encoder->vertices[j * (quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
         const VertPlacement place(packRegion(quadsX, quadsY, 0, 0), packPatchQuads(quadsX, quadsY),
-                                  packEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5));
+                                  packEdges(quadsX, quadsY, quadsX / 2 + 1, quadsY, 1, 5));
         const size_t bytes = encoder->encode(place, (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
@@ -169,8 +165,7 @@ void writeSeeds(const std::string& directory)
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   static const World world;
   RayBytes ray;

@@ -17,8 +17,7 @@ using namespace embree::cbvh;
 using embree::isa::cbvh::MotionDecoder;
 using embree::isa::cbvh::VertDecoder;
 
-void decode(const VertHeader* block)
-{
+void decode(const VertHeader* block) {
   const VertDecoder decoder(block);
   auto entry = std::make_unique<VertBlockEntry>();
   decoder.decode(*entry);
@@ -43,8 +42,7 @@ void writeSeeds(const std::string& folder) { writeBlockSeeds(folder); }
 
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
-{
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace ::cbvh::test;
   if (size == 0) return 0;
   const ExactMemory bytes(data, size, 16);

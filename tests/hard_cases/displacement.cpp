@@ -6,15 +6,12 @@
 #include "hard_cases/hard_case.h"
 #include "support/grid_agreement.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class HardDisplacement : public HardCase
-{
+class HardDisplacement : public HardCase {
 protected:
   // Rays from inside and outside of a displaced cube.
-  void expectTightAndNear(Displacement& displacement, float rate)
-  {
+  void expectTightAndNear(Displacement& displacement, float rate) {
     Random random(61);
     std::vector<RTCRayHit> inside;
     for (int i = 0; i < 2000; i++)
@@ -37,38 +34,35 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, HardDisplacement, testing::ValuesIn(tracers()), tracerName);
 
-TEST_P(HardDisplacement, FiveFold)
-{
-  property(
-    "displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and "
-    "no ray from inside leaks");
+TEST_P(HardDisplacement, FiveFold) {
+  property("displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's "
+           "surface, and "
+           "no ray from inside leaks");
   Displacement displacement;
   displacement.amplitude *= 5;
   expectTightAndNear(displacement, 16);
 }
 
-TEST_P(HardDisplacement, Rough)
-{
+TEST_P(HardDisplacement, Rough) {
   property(
-    "displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from "
-    "inside leaks");
+      "displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from "
+      "inside leaks");
   Displacement displacement;
   displacement.frequency = 50;
   expectTightAndNear(displacement, 16);
 }
 
 // Folds share x and y in a block's frame: the nearest part counts, not the first one in traversal order.
-TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
-{
+TEST_P(HardDisplacement, FoldsAreHitAtNearestPart) {
   property(
-    "if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that "
-    "is visited");
+      "if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that "
+      "is visited");
   const auto roll = [](const RTCDisplacementFunctionNArguments* args) {
     for (unsigned i = 0; i < args->N; i++) {
-      const float u = args->u[i], v = args->v[i], a = 6*float(M_PI)*u, b = 6*float(M_PI)*v;
-      args->P_x[i] = u - 0.12f*std::sin(a);
-      args->P_y[i] = v - 0.12f*std::sin(b);
-      args->P_z[i] = 0.05f*(std::cos(a) + std::cos(b));
+      const float u = args->u[i], v = args->v[i], a = 6 * float(M_PI) * u, b = 6 * float(M_PI) * v;
+      args->P_x[i] = u - 0.12f * std::sin(a);
+      args->P_y[i] = v - 0.12f * std::sin(b);
+      args->P_z[i] = 0.05f * (std::cos(a) + std::cos(b));
     }
   };
   auto commit = [&](RTCScene scene, RTCCompression compression, int frameLevel) {
@@ -91,7 +85,7 @@ TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
     int hits = 0, behind = 0;
     for (int i = 0; i < 2000; i++) {
       const Vec target = {float(random.uniform(0.2, 0.8)), float(random.uniform(0.2, 0.8)), 0};
-      const Vec dir = {float(0.5*random.normal()), float(0.5*random.normal()), -1};
+      const Vec dir = {float(0.5 * random.normal()), float(0.5 * random.normal()), -1};
       const RTCRayHit ray = makeRay({target[0] - dir[0], target[1] - dir[1], 1}, dir);
       const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
       if (!isHit(a)) continue;
@@ -100,9 +94,8 @@ TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
     }
     EXPECT_GT(hits, 1500);
     // the rest are leaves seen from the side, which are solid or missed within their thickness
-    EXPECT_LE(behind, compression() == RTC_COMPRESSION_CLEAF ? hits/100 : 0) << "frame level " << frameLevel;
+    EXPECT_LE(behind, compression() == RTC_COMPRESSION_CLEAF ? hits / 100 : 0) << "frame level " << frameLevel;
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,27 +12,23 @@
 #include <functional>
 #include <sstream>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // --- entrances -----------------------------------------------------------------------------------
 
 enum Entrance { Single, Packets4, Packets8, Packets16, Stream };
 
-struct Call
-{
+struct Call {
   Entrance entrance;
   bool coherent, any;
 };
 
-std::ostream& operator<<(std::ostream& out, const Call& call)
-{
+std::ostream& operator<<(std::ostream& out, const Call& call) {
   static const char* const names[] = {"single rays", "packets of 4", "packets of 8", "packets of 16", "a stream"};
   return out << names[call.entrance] << (call.coherent ? ", coherent" : "") << (call.any ? ", any hit" : "");
 }
 
-std::vector<Call> allCalls()
-{
+std::vector<Call> allCalls() {
   std::vector<Call> calls;
   for (Entrance entrance : {Single, Packets4, Packets8, Packets16, Stream})
     for (bool coherent : {false, true})
@@ -42,22 +38,21 @@ std::vector<Call> allCalls()
 
 // All lanes are active.
 template<typename Packet, typename Trace>
-void inPackets(std::vector<RTCRayHit>& rays, const Trace& trace)
-{
-  constexpr size_t words = sizeof(RTCRayHit)/4, N = sizeof(Packet)/sizeof(RTCRayHit);
+void inPackets(std::vector<RTCRayHit>& rays, const Trace& trace) {
+  constexpr size_t words = sizeof(RTCRayHit) / 4, N = sizeof(Packet) / sizeof(RTCRayHit);
   alignas(64) int valid[N];
   std::fill_n(valid, N, -1);
   for (size_t first = 0; first + N <= rays.size(); first += N) {
     alignas(64) Packet packet;
     char* lanes = (char*)&packet;
-    for (size_t i = 0; i < words*N; i++) std::memcpy(lanes + 4*i, (const char*)&rays[first + i % N] + 4*(i/N), 4);
+    for (size_t i = 0; i < words * N; i++)
+      std::memcpy(lanes + 4 * i, (const char*)&rays[first + i % N] + 4 * (i / N), 4);
     trace(valid, packet);
-    for (size_t i = 0; i < words*N; i++) std::memcpy((char*)&rays[first + i % N] + 4*(i/N), lanes + 4*i, 4);
+    for (size_t i = 0; i < words * N; i++) std::memcpy((char*)&rays[first + i % N] + 4 * (i / N), lanes + 4 * i, 4);
   }
 }
 
-void trace(RTCScene scene, const Call& call, std::vector<RTCRayHit>& rays)
-{
+void trace(RTCScene scene, const Call& call, std::vector<RTCRayHit>& rays) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = call.coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
@@ -91,8 +86,7 @@ void trace(RTCScene scene, const Call& call, std::vector<RTCRayHit>& rays)
 
 bool areSame(const RTCRayHit& a, const RTCRayHit& b) { return std::memcmp(&a, &b, sizeof(RTCRayHit)) == 0; }
 
-std::string describe(const RTCRay& ray)
-{
+std::string describe(const RTCRay& ray) {
   std::ostringstream out;
   out << "origin " << ray.org_x << " " << ray.org_y << " " << ray.org_z << ", direction " << ray.dir_x << " "
       << ray.dir_y << " " << ray.dir_z << ", from " << ray.tnear << " to " << ray.tfar;
@@ -101,13 +95,11 @@ std::string describe(const RTCRay& ray)
 
 // --- rays that are not finite --------------------------------------------------------------------
 
-class HardOddRays : public HardCase
-{
+class HardOddRays : public HardCase {
 protected:
   Displacement displacement;
 
-  SurfaceSettings settings()
-  {
+  SurfaceSettings settings() {
     SurfaceSettings s;
     s.displacement = &displacement;
     s.compression = compression();
@@ -119,21 +111,19 @@ protected:
 INSTANTIATE_TEST_SUITE_P(HardCases, HardOddRays, testing::ValuesIn(tracers()), tracerName);
 
 // Rays of a picture of a cube around the origin, from outside and from inside.
-std::vector<RTCRayHit> pictureOfCube(float scale)
-{
+std::vector<RTCRayHit> pictureOfCube(float scale) {
   std::vector<RTCRayHit> rays;
-  for (unsigned i = 0; i < 64*64; i++) {
-    const float x = 0.8f*float(i % 64)/64 - 0.4f, y = 0.8f*float(i/64)/64 - 0.4f;
-    rays.push_back(i % 1024 < 768 ? makeRay({scale*0.1f, scale*0.2f, scale*4}, {x, y, -4})
-                                  : makeRay({scale*0.1f, scale*0.2f, scale*0.1f}, {x, y, 1}));
+  for (unsigned i = 0; i < 64 * 64; i++) {
+    const float x = 0.8f * float(i % 64) / 64 - 0.4f, y = 0.8f * float(i / 64) / 64 - 0.4f;
+    rays.push_back(i % 1024 < 768 ? makeRay({scale * 0.1f, scale * 0.2f, scale * 4}, {x, y, -4})
+                                  : makeRay({scale * 0.1f, scale * 0.2f, scale * 0.1f}, {x, y, 1}));
   }
   return rays;
 }
 
 // makeOdd: turns a ray into one that must miss.
 void expectOddRaysMiss(RTCScene scene, const std::vector<RTCRayHit>& rays, Random& random,
-                       const std::function<void(RTCRay&)>& makeOdd)
-{
+                       const std::function<void(RTCRay&)>& makeOdd) {
   std::vector<RTCRayHit> mixed = rays;
   std::vector<bool> isOdd(rays.size());
   const double shares[] = {0, 0.1, 0.5, 1};
@@ -151,18 +141,18 @@ void expectOddRaysMiss(RTCScene scene, const std::vector<RTCRayHit>& rays, Rando
     size_t hits = 0;
     for (size_t i = 0; i < rays.size(); i++) {
       ASSERT_TRUE(areSame(found[i], isOdd[i] ? mixed[i] : alone[i]))
-        << (isOdd[i] ? "odd ray " : "ray ") << i << ": " << describe(mixed[i].ray) << ", ends at " << found[i].ray.tfar;
+          << (isOdd[i] ? "odd ray " : "ray ") << i << ": " << describe(mixed[i].ray) << ", ends at "
+          << found[i].ray.tfar;
       hits += !isOdd[i] && !areSame(found[i], rays[i]);
     }
-    EXPECT_GT(hits, rays.size()/4);
+    EXPECT_GT(hits, rays.size() / 4);
   }
 }
 
-TEST_P(HardOddRays, NonFiniteRaysMiss)
-{
+TEST_P(HardOddRays, NonFiniteRaysMiss) {
   property(
-    "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other "
-    "rays of a packet or a stream have the same hits as alone");
+      "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other "
+      "rays of a packet or a stream have the same hits as alone");
   const SurfaceScene scene(device, cubeCage(), settings());
   Random random(34);
   expectOddRaysMiss(scene, pictureOfCube(1), random, [&](RTCRay& ray) { spoil(ray, random); });
@@ -170,11 +160,10 @@ TEST_P(HardOddRays, NonFiniteRaysMiss)
 
 // --- lengths -------------------------------------------------------------------------------------
 
-TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
-{
+TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak) {
   property(
-    "rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, "
-    "1e-20 to 1e18, and at the same place");
+      "rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, "
+      "1e-20 to 1e18, and at the same place");
   AllVertices recorder;
   Scene scene(device);
   recorder.build(device, scene, cubeCage(), settings());
@@ -198,8 +187,8 @@ TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
           const bool isFound = call.any ? found[i].ray.tfar < 0 : isHit(found[i]), expected = isHit(ofUnitLength[i]);
           // cGRID has GRID's triangles, where some rays pass through edges
           leaks += !isFound && compression() != RTC_COMPRESSION_CGRID;
-          others += isFound != expected ||
-                    (isFound && !call.any && found[i].ray.tfar*length != ofUnitLength[i].ray.tfar);
+          others +=
+              isFound != expected || (isFound && !call.any && found[i].ray.tfar * length != ofUnitLength[i].ray.tfar);
         }
         EXPECT_EQ(leaks, 0u);
         EXPECT_EQ(others, 0u);
@@ -207,14 +196,13 @@ TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
     }
 }
 
-TEST_P(HardOddRays, DirectionsWithoutReciprocalMiss)
-{
-  property(
-    "rays whose direction has no component above 2^-129, so that its reciprocal is infinite, miss and remain "
-    "unchanged; other rays of a packet or a stream have the same hits as alone");
+TEST_P(HardOddRays, DirectionsWithoutReciprocalMiss) {
+  property("rays whose direction has no component above 2^-129, so that its reciprocal is infinite, miss and remain "
+           "unchanged; other rays of a packet or a stream have the same hits as alone");
   const float scale = 0x1p-20f; // distances of hits would be finite
   Cage cage = cubeCage();
-  for (Vec& p : cage.positions) for (float& x : p) x *= scale;
+  for (Vec& p : cage.positions)
+    for (float& x : p) x *= scale;
   SurfaceSettings s = settings();
   s.displacement = nullptr;
   const SurfaceScene scene(device, cage, s);
@@ -228,5 +216,4 @@ TEST_P(HardOddRays, DirectionsWithoutReciprocalMiss)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -9,15 +9,13 @@
 
 #include <cstdio>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 void* align(void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); }
 
 // Bounds of the quads below a node, in the frame.
-ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t height, uint32_t m)
-{
-  const uint32_t size = 1u << (height - level), x0 = mortonX(m)*size, y0 = mortonY(m)*size;
+ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t height, uint32_t m) {
+  const uint32_t size = 1u << (height - level), x0 = mortonX(m) * size, y0 = mortonY(m) * size;
   ExactBox box;
   for (uint32_t y = y0; y <= y0 + size; y++)
     for (uint32_t x = x0; x <= x0 + size; x++) {
@@ -30,8 +28,7 @@ ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32
 
 // Number of nodes of the block that do not contain their vertices, in one variant of arithmetic.
 unsigned violations(Form form, const Block* block, const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t m,
-                    const NodeBox& box)
-{
+                    const NodeBox& box) {
   unsigned count = !contains(form, box, boundsOf(frame, sheet, level, block->height(), m));
   if (level == block->layout().nodeLevels || level == block->height()) return count;
   const uint32_t word = block->nodes()[nodesOfLevels(level) + m];
@@ -39,31 +36,30 @@ unsigned violations(Form form, const Block* block, const Frame& frame, const She
   if (isGroup && !hasSeparateLeaves(heightsOf(block, m)))
     return count + !contains(form, decodeLattice(form, word, box), boundsOf(frame, sheet, level, block->height(), m));
   for (int c = 0; c < 4; c++)
-    count += violations(form, block, frame, sheet, level + 1, 4*m + uint32_t(c), decode(form, word, c, box));
+    count += violations(form, block, frame, sheet, level + 1, 4 * m + uint32_t(c), decode(form, word, c, box));
   return count;
 }
 
-TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
-{
+TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic) {
   RecordProperty(
-    "property",
-    "every node and leaf box of random blocks of every shape, 1e-6 to 1e6 wide, near and far, contains its vertices, "
-    "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
+      "property",
+      "every node and leaf box of random blocks of every shape, 1e-6 to 1e6 wide, near and far, contains its vertices, "
+      "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
   Random random(81);
   unsigned blocks = 0, sheets = 0;
   for (Kind kind : {Kind::CGRID, Kind::CVOXEL, Kind::CLEAF})
     for (uint32_t height = 0; height <= 6; height++)
       for (Shape shape : allShapes)
         for (int repeat = 0; repeat < (height < 5 ? 12 : 2); repeat++) {
-          const double scale = random.magnitude(1e-6, 1e6), away = repeat % 3 ? 0 : scale*random.magnitude(1, 1e5);
-          const Sheet sheet = randomSheet(random, shape, height, {scale, {away, -0.3*away, 0.7*away}});
+          const double scale = random.magnitude(1e-6, 1e6), away = repeat % 3 ? 0 : scale * random.magnitude(1, 1e5);
+          const Sheet sheet = randomSheet(random, shape, height, {scale, {away, -0.3 * away, 0.7 * away}});
           float corners[4][3];
           for (int c = 0; c < 4; c++) // corners of the cage for cLEAF, of the surface otherwise, row by row
             std::copy_n(kind == Kind::CLEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
-                                           : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(),
+                                            : sheet.vertex((c & 1) * sheet.quads, (c >> 1) * sheet.quads).data(),
                         3, corners[c]);
-          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2),
-            memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Double3) + 2);
+          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height) / sizeof(Double3) + 2),
+              memory(blockLayout(uint32_t(kind), height).bytes / sizeof(Double3) + 2);
           BlockEncoder encoder(kind, height, (const float(*)[3])sheet.vertices.data(), align(scratch.data()));
           sheets++;
           if (!encoder.fit(corners) || encoder.isDegenerate()) continue;
@@ -79,12 +75,11 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
             for (float c : column) ASSERT_TRUE(std::isfinite(c));
           for (Form form : forms)
             ASSERT_EQ(violations(form, block, frame, sheet, 0, 0, rootBox()), 0u)
-              << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind "
-              << int(kind);
+                << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind "
+                << int(kind);
         }
   std::printf("%u of %u sheets are blocks\n", blocks, sheets);
-  EXPECT_GT(blocks, sheets - sheets/10);
+  EXPECT_GT(blocks, sheets - sheets / 10);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -7,19 +7,16 @@
 #include "support/edge_rates.h"
 #include "support/grid_agreement.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class HardRates : public HardCase
-{
+class HardRates : public HardCase {
 protected:
   /* rates: of all half-edges, equal on both sides of each edge. GRID's surface is within the reach of the leaf that is
    * hit, without additional slack for different tessellations: the vertices of both are on the displaced surface or,
    * along an edge of a lower rate, on the same polyline. A patch has as many quads along u and v as GRID, or up to
    * twice as many, so that the lines of GRID's vertices are no farther from a quad than the quad's size. Between its
    * vertices, GRID deviates from the surface by the sag of a chord, a fraction of that. */
-  void expectTightAndNear(const Cage& cage, const std::vector<float>& rates)
-  {
+  void expectTightAndNear(const Cage& cage, const std::vector<float>& rates) {
     Random random(71);
     Displacement displacement;
     std::vector<RTCRayHit> inside;
@@ -39,8 +36,7 @@ protected:
     }
   }
 
-  void expectTightAndNear(float rate)
-  {
+  void expectTightAndNear(float rate) {
     property("edges of rate " + std::to_string(int(rate)) + ": hits agree with GRID's, and no ray from inside leaks");
     expectTightAndNear(cubeCage(), std::vector<float>(24, rate));
   }
@@ -53,8 +49,7 @@ TEST_P(HardRates, Rate5) { expectTightAndNear(5); }
 TEST_P(HardRates, Rate13) { expectTightAndNear(13); }
 TEST_P(HardRates, Rate64) { expectTightAndNear(64); }
 
-TEST_P(HardRates, Mixed)
-{
+TEST_P(HardRates, Mixed) {
   property("faces whose edges have different rates: hits agree with GRID's, and no ray from inside leaks");
   const float choice[] = {1, 2, 5, 8, 13, 16, 64};
   Random random(72);
@@ -67,8 +62,7 @@ TEST_P(HardRates, Mixed)
 }
 
 // Opposite edges of rate 1 keep the face small.
-TEST_P(HardRates, Rate4096)
-{
+TEST_P(HardRates, Rate4096) {
   property("edges of rate 4096, the most that Embree supports, next to edges of rate 1: hits on a plane are exact");
   SurfaceSettings settings;
   settings.compression = compression();
@@ -85,5 +79,4 @@ TEST_P(HardRates, Rate4096)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

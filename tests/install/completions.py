@@ -46,8 +46,10 @@ Options:
                               picture to write
   --version                   print the version, and exit
 """
-OPTIONS = ("--help --mesh --up --level --maps --count --representation --compare --level-for-the-whole-scene "
-           "--output --version").split()
+OPTIONS = (
+    "--help --mesh --up --level --maps --count --representation --compare --level-for-the-whole-scene "
+    "--output --version"
+).split()
 
 # The layout of later versions of CLI11.
 LATER_HELP = """Shows a surface.
@@ -99,8 +101,12 @@ class Sample(unittest.TestCase):
 
     def completed(self, *words):
         """Returns the words that the function returns, and the arguments of compopt."""
-        done = subprocess.run(["bash", "--norc", "-c", DRIVER, "bash", self.script, "sample", *words],
-                              capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            ["bash", "--norc", "-c", DRIVER, "bash", self.script, "sample", *words],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         self.assertEqual(done.stderr, "")
         lines = done.stdout.split("\n")
         switches = [line.split(" ", 1)[1] for line in lines if line.startswith("compopt ")]
@@ -125,8 +131,15 @@ class KnownHelp(Sample):
     def test_files_follow_paths_and_nothing_else(self):
         """The option `default` of complete, which completes files, stays on only where files may follow."""
         self.assertIn("complete -o default ", self.script.read_text())
-        for words in (["--mesh", ""], ["-o", ""], ["--output", "p"], ["--output", "="], ["--output", "=", "p"], [""],
-                      ["a.obj", ""]):
+        for words in (
+            ["--mesh", ""],
+            ["-o", ""],
+            ["--output", "p"],
+            ["--output", "="],
+            ["--output", "=", "p"],
+            [""],
+            ["a.obj", ""],
+        ):
             self.assertEqual(self.completed(*words), ([], []), words)
         for words in (["--count", ""], ["--representation", ""], ["--representation", "=", "c"]):
             self.assertEqual(self.completed(*words), ([], ["+o default"]), words)
@@ -145,10 +158,15 @@ class KnownHelp(Sample):
         (folder / "maps of skin").mkdir(parents=True)
         (folder / "map.obj").write_text("")
         (folder / "cage.obj").write_text("")
-        typed = {"sample --ver\t": ["--version"], "sample --mesh ca\t": ["--mesh", "cage.obj"],
-                 "sample --mesh=ca\t": ["--mesh=cage.obj"], "sample ca\t": ["cage.obj"],
-                 "sample --maps ma\t": ["--maps", "maps of skin/"], "sample --count ca\t": ["--count", "ca"],
-                 "sample --up au\t": ["--up", "auto"]}
+        typed = {
+            "sample --ver\t": ["--version"],
+            "sample --mesh ca\t": ["--mesh", "cage.obj"],
+            "sample --mesh=ca\t": ["--mesh=cage.obj"],
+            "sample ca\t": ["cage.obj"],
+            "sample --maps ma\t": ["--maps", "maps of skin/"],
+            "sample --count ca\t": ["--count", "ca"],
+            "sample --up au\t": ["--up", "auto"],
+        }
         for line, expected in typed.items():
             self.assertEqual(self.typed(folder, line), expected, line)
 
@@ -163,8 +181,11 @@ class KnownHelp(Sample):
         self.addCleanup(os.close, terminal)
         out = folder.parent / "out"
         out.unlink(missing_ok=True)
-        os.write(terminal, f"bind 'set bell-style none'; . {self.script}; "
-                 f"sample() {{ printf '%s\\n' \"$@\" > {out}.new; mv {out}.new {out}; }}\n".encode())
+        os.write(
+            terminal,
+            f"bind 'set bell-style none'; . {self.script}; "
+            f"sample() {{ printf '%s\\n' \"$@\" > {out}.new; mv {out}.new {out}; }}\n".encode(),
+        )
         os.write(terminal, (line + "\nexit\n").encode())
         end = time.monotonic() + 60
         while time.monotonic() < end:
@@ -192,8 +213,9 @@ class Failures(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for command, message in ((["echo"], "sample --help .*options"), (["false"], "false .* 1, .* 0")):
                 completion = Path(folder) / "sample"
-                done = subprocess.run([sys.executable, "-B", SCRIPT, completion, *command], capture_output=True,
-                                      text=True)
+                done = subprocess.run(
+                    [sys.executable, "-B", SCRIPT, completion, *command], capture_output=True, text=True
+                )
                 self.assertEqual(done.returncode, 1)
                 self.assertRegex(done.stderr, message)
                 self.assertFalse(completion.exists())

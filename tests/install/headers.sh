@@ -32,7 +32,10 @@ check() {
   } > "$work/first.c"
   for compiler in "cc -x c -std=c99" "c++ -x c++ -std=c++11"; do
     $compiler -Wall -Wextra -pedantic -Werror -I"$work/include" -fsyntax-only "$work/first.c" ||
-      { echo "FAILED: $* by $compiler" >&2; failed=1; }
+      {
+        echo "FAILED: $* by $compiler" >&2
+        failed=1
+      }
   done
 }
 

@@ -112,8 +112,13 @@ class KnownHeader(unittest.TestCase):
 
     def test_types_and_callbacks_have_their_comments(self):
         synopsis = section(self.visit, "SYNOPSIS")
-        order = ["A pair of numbers", "struct CbvhPair\n{", "Called for each pair", "typedef int (*CbvhPairFunction)",
-                 "enum CbvhError cbvhVisit("]
+        order = [
+            "A pair of numbers",
+            "struct CbvhPair\n{",
+            "Called for each pair",
+            "typedef int (*CbvhPairFunction)",
+            "enum CbvhError cbvhVisit(",
+        ]
         places = [synopsis.find(text) for text in order]
         self.assertEqual(places, sorted(places))
         self.assertGreaterEqual(min(places), 0)
@@ -152,16 +157,18 @@ class KnownHeader(unittest.TestCase):
 
     def test_declaration_of_several_lines_has_a_page(self):
         page = self.pages["cbvhJoin.3cbvh"]
-        self.assertIn("int cbvhJoin(\n  const struct CbvhPair* first,\n  const struct CbvhPair* second,\n"
-                      "  int flags\n);",
-                      section(page, "SYNOPSIS"))
+        self.assertIn(
+            "int cbvhJoin(\n  const struct CbvhPair* first,\n  const struct CbvhPair* second,\n" "  int flags\n);",
+            section(page, "SYNOPSIS"),
+        )
         self.assertIn('.IP "first" 4\na pair.', section(page, "DESCRIPTION"))
 
     def test_function_without_a_comment_is_an_error(self):
         header = Path(self.folder.name) / "cbvh" / "bare.h"
         header.write_text("CBVH_API int cbvhBare(void);\n")
-        done = subprocess.run([sys.executable, "-B", SCRIPT, "1", self.folder.name, header], capture_output=True,
-                              text=True)
+        done = subprocess.run(
+            [sys.executable, "-B", SCRIPT, "1", self.folder.name, header], capture_output=True, text=True
+        )
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"\Aman_pages\.py: cbvhBare .*comment\n\Z")
 
@@ -198,8 +205,9 @@ class PublicHeaders(unittest.TestCase):
                 for other in re.findall(r"(\w+)\((3\w+)\)", page):
                     self.assertIn(".".join(other), pages, name)
                 if not page.startswith(".so") and shutil.which("groff"):
-                    done = subprocess.run(["groff", "-man", "-ww", "-z", Path(folder) / name], capture_output=True,
-                                          text=True)
+                    done = subprocess.run(
+                        ["groff", "-man", "-ww", "-z", Path(folder) / name], capture_output=True, text=True
+                    )
                     self.assertEqual(done.stderr, "", name)
 
     def test_types_of_each_page_are_declared_once(self):

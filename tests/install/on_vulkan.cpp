@@ -6,8 +6,7 @@
 #include <embree3/rtcore_vulkan.h>
 #include <cstdio>
 
-int main()
-{
+int main() {
   RTCDevice device = rtcNewDevice(nullptr);
   std::printf("Vulkan devices: %u\n", rtcGetVulkanDevices(device, nullptr, 0));
   rtcReleaseDevice(device);

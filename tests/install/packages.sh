@@ -18,12 +18,15 @@ set -eu
 packages=$(cd "$1" && pwd) roots=$2 suite=${3:-bookworm}
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 
 mkdir -p "$roots"
 roots=$(cd "$roots" && pwd)
 release() {
-  for root in bare demo clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done
+  for root in bare demo clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2> /dev/null || true; done
 }
 trap release EXIT
 
@@ -35,7 +38,10 @@ make() {
     mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' |
       sort -u | head -n 1)
     debootstrap --variant=minbase "$suite" "$base.part" "$mirror" > "$roots/log" ||
-      { tail "$roots/log"; fail "debootstrap cannot make $base.part"; }
+      {
+        tail "$roots/log"
+        fail "debootstrap cannot make $base.part"
+      }
     mv "$base.part" "$base"
   fi
   rm -rf --one-file-system "$root"
@@ -50,10 +56,16 @@ make() {
 }
 inside() { chroot "$root" env HOME=/root "$@"; }
 apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 ||
-  { tail -n 30 "$roots/log"; fail "apt-get $* does not succeed"; }; }
-ours() { apt_get install "$@"; apt_get check; }
+  {
+    tail -n 30 "$roots/log"
+    fail "apt-get $* does not succeed"
+  }; }
+ours() {
+  apt_get install "$@"
+  apt_get check
+}
 all() { (cd "$packages" && for package in *.deb; do echo "/root/packages/$package"; done); }
-status() { inside dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true; }
+status() { inside dpkg-query -W -f '${db:Status-Status}' "$1" 2> /dev/null || true; }
 
 # --- a minimal system ------------------------------------------------------------------------------
 
@@ -63,7 +75,10 @@ ours $(all)
 inside cbvh_render --version
 inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output /root/pictures \
   > "$roots/log" 2>&1 ||
-  { cat "$roots/log"; fail "cbvh_render does not run"; }
+  {
+    cat "$roots/log"
+    fail "cbvh_render does not run"
+  }
 inside python3 -c "import embree_cbvh as cbvh
 scene = cbvh.build(cbvh.Model.generate('cube'), 'cvert', 3)
 print('Python module', cbvh.__version__, scene.statistics()['bytes_per_quad'])" ||
@@ -74,7 +89,7 @@ for package in libembree3-cbvh libembree-cbvh0; do
   # shellcheck disable=SC2016
   actual=$(inside sh -c 'dpkg -L "$1" | while read -r file; do [ ! -f "$file" ] || [ -L "$file" ] || stat -c %s "$file"
     done' sh "$package" | awk '{ sum += $1 } END { print int(sum/1024) }')
-  [ "$stated" -lt $((actual + actual/10)) ] || fail "$package states $stated KiB but has $actual"
+  [ "$stated" -lt $((actual + actual / 10)) ] || fail "$package states $stated KiB but has $actual"
 done
 apt_get remove libembree3-cbvh
 [ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "the library still exists after the removal"
@@ -87,27 +102,42 @@ git -C "$here/../.." archive --prefix=root/embree-cbvh/ HEAD | tar -x -C "$root"
 mkdir "$root/root/embree-cbvh/output"
 cp "$packages"/*.deb "$root/root/embree-cbvh/output/"
 inside /root/embree-cbvh/scripts/demo.sh --short > "$roots/log" 2>&1 ||
-  { tail -n 30 "$roots/log"; fail "scripts/demo.sh does not run"; }
+  {
+    tail -n 30 "$roots/log"
+    fail "scripts/demo.sh does not run"
+  }
 grep '^output/embree-cbvh-tools_.* these sources' "$roots/log" ||
-  { grep '^output/' "$roots/log"; fail "the demo does not use the packages"; }
+  {
+    grep '^output/' "$roots/log"
+    fail "the demo does not use the packages"
+  }
 
 # --- a system with Debian's packages ---------------------------------------------------------------
 
-[ "$suite" = bookworm ] || { echo "$suite has no Embree 3 that our packages replace"; exit 0; }
+[ "$suite" = bookworm ] || {
+  echo "$suite has no Embree 3 that our packages replace"
+  exit 0
+}
 
 # run FOLDER: stores the results of each client
 run() {
   inside mkdir -p "/root/$1"
   for program in triangle_geometry subdivision_geometry displacement_geometry instanced_geometry curve_geometry \
-                 grid_geometry point_geometry interpolation user_geometry intersection_filter hair_geometry \
-                 lazy_geometry motion_blur_geometry; do
+    grid_geometry point_geometry interpolation user_geometry intersection_filter hair_geometry \
+    lazy_geometry motion_blur_geometry; do
     inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
-      { cat "$roots/log"; fail "$program does not render its picture"; }
+      {
+        cat "$roots/log"
+        fail "$program does not render its picture"
+      }
   done
   for program in viewer pathtracer; do
     inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" \
       > "$roots/log" 2>&1 ||
-      { cat "$roots/log"; fail "$program does not render its picture"; }
+      {
+        cat "$roots/log"
+        fail "$program does not render its picture"
+      }
   done
   inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D does not run its queries"
   hits=$(inside env LD_PRELOAD=/root/clients/open3d_masks.so python3 /root/clients/open3d_queries.py \
@@ -115,7 +145,10 @@ run() {
   [ "${hits%% *}" -gt 0 ] || fail "Open3D's rays with masks hit nothing"
   inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" \
     > "$roots/log" 2>&1 ||
-    { cat "$roots/log"; fail "Blender does not render its picture"; }
+    {
+      cat "$roots/log"
+      fail "Blender does not render its picture"
+    }
 }
 
 # compare FOLDER OTHER

@@ -15,7 +15,10 @@
 set -eu
 packages=$(cd "$1" && pwd) root=$(cd "$2" && pwd)
 cd -- "$(dirname -- "$0")/../.."
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 work=$(mktemp -d "$root.packages-XXXXXX") # on the same file system, for hard links
 trap 'rm -rf "$work"' EXIT
 
@@ -42,26 +45,45 @@ apt=$work/apt
   private_apt_update arm64 '$(RELEASE)' 'Component: main' &&
     private_apt apt-get install -y --simulate --no-install-recommends "$packages"/*.deb
 } > "$work/log" 2>&1 ||
-  { tail -n 30 "$work/log"; fail "apt does not install the packages"; }
+  {
+    tail -n 30 "$work/log"
+    fail "apt does not install the packages"
+  }
 ! grep -E '^Inst (libembree3-3|libembree-dev|embree-tools) ' "$work/log" ||
   fail "apt installs a package of Debian that ours replace"
 echo "apt installs the packages and $(($(grep -c '^Inst' "$work/log") - $(ls "$packages"/*.deb | wc -l))) of Debian's"
 
 # --- in the emulator ----------------------------------------------------------------------------------
 
-run() { program=$1; shift; qemu-aarch64-static -L "$copy" "$copy/usr/bin/$program" "$@"; }
+run() {
+  program=$1
+  shift
+  qemu-aarch64-static -L "$copy" "$copy/usr/bin/$program" "$@"
+}
 version=$(dpkg-deb -f "$packages"/libembree3-cbvh_*.deb Version)
 for program in cbvh_render cbvh_bench cbvh_pathtracer; do
   run $program --version > "$work/output" || fail "$program --version: status $?"
   grep -q "^$program $version" "$work/output" ||
-    { cat "$work/output"; fail "$program has another version: expected $version"; }
+    {
+      cat "$work/output"
+      fail "$program has another version: expected $version"
+    }
   grep -q "^library: Embree CBVH $version on" "$work/output" ||
-    { cat "$work/output"; fail "$program loads another library: expected Embree CBVH $version"; }
+    {
+      cat "$work/output"
+      fail "$program loads another library: expected Embree CBVH $version"
+    }
 done
 run cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output "$work/pictures" \
   > "$work/output" 2>&1 ||
-  { cat "$work/output"; fail "cbvh_render does not run"; }
-[ -s "$work/pictures/cube_cvert.png" ] || { cat "$work/output"; fail "cbvh_render writes no picture"; }
+  {
+    cat "$work/output"
+    fail "cbvh_render does not run"
+  }
+[ -s "$work/pictures/cube_cvert.png" ] || {
+  cat "$work/output"
+  fail "cbvh_render writes no picture"
+}
 run python3 -B -c "import embree_cbvh as cbvh
 scene = cbvh.build(cbvh.Model.generate('cube'), 'cvert', 3)
 hits = scene.intersect([0, 0, 5], [0, 0, -1])

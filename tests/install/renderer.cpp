@@ -8,13 +8,12 @@
 #include <cmath>
 #include <cstdio>
 
-int main()
-{
+int main() {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = rtcNewScene(device);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const float vertices[9] = {0,0,0, 1,0,0, 0,1,0};
-  const unsigned indices[3] = {0,1,2};
+  const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const unsigned indices[3] = {0, 1, 2};
   float* v = (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3);
   unsigned* i = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, 1);
   for (int k = 0; k < 9; k++) v[k] = vertices[k];

@@ -10,12 +10,18 @@ set -eu
 cmake=$1 build=$2 host=$3
 stock=$(dirname "$host")
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' "$build/CMakeCache.txt")
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$cmake" --install "$build" --prefix "$work/first" > "$work/log" || { cat "$work/log"; exit 1; }
+"$cmake" --install "$build" --prefix "$work/first" > "$work/log" || {
+  cat "$work/log"
+  exit 1
+}
 mv "$work/first" "$work/prefix"
 unset LD_LIBRARY_PATH EMBREE_CBVH
 [ -e "$work"/prefix/lib/libembree3.so.3 ]
@@ -36,7 +42,10 @@ fi
 # A link into the source tree would break elsewhere.
 for link in $(find "$work/prefix" -type l); do
   case $(readlink "$link") in
-    */*) echo "$link leads out of the installation" >&2; exit 1 ;;
+    */*)
+      echo "$link leads out of the installation" >&2
+      exit 1
+      ;;
   esac
 done
 
@@ -49,7 +58,8 @@ for binary in "$work"/prefix/lib/*.so.* "$work"/prefix/lib/embree_cbvh/*.so.* "$
   grep -q 'GNU_RELRO' "$work/elf" || fail "$binary has no RELRO"
   case ${binary##*/} in
     libembree3.so.* | libembree_cbvh.so.*)
-      grep -Eq 'BIND_NOW|FLAGS.* NOW' "$work/elf" || fail "$binary is not bound immediately" ;;
+      grep -Eq 'BIND_NOW|FLAGS.* NOW' "$work/elf" || fail "$binary is not bound immediately"
+      ;;
   esac
   # Our programs print numbers. Release builds call the checked functions of the C library for that.
   case ${binary##*/} in
@@ -62,14 +72,26 @@ cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
 # Without TBB's CMake files, which users of the shared library do not need.
 "$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON \
   > "$work/log.configure" ||
-  { cat "$work/log.configure"; exit 1; }
-"$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
+  {
+    cat "$work/log.configure"
+    exit 1
+  }
+"$cmake" --build "$work/build" > "$work/log" || {
+  cat "$work/log"
+  exit 1
+}
 grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
-  { cat "$work/log.configure"; fail "find_package does not find our version $version"; }
+  {
+    cat "$work/log.configure"
+    fail "find_package does not find our version $version"
+  }
 library=$("$work/build/renderer")
 case $library in
   "$work"/prefix/*) echo "runs on the installed library" ;;
-  *) echo "runs on $library" >&2; exit 1 ;;
+  *)
+    echo "runs on $library" >&2
+    exit 1
+    ;;
 esac
 if [ -e "$work/prefix/include/embree3/rtcore_vulkan.h" ]; then
   "$work/build/on_vulkan" || fail "find_package has no embree_vulkan that runs"
@@ -86,7 +108,10 @@ mkdir "$work/beside"
 cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/beside/"
 "$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DHOST_EMBREE="$host" \
   > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
-  { cat "$work/log"; fail "find_package has no embree_cbvh"; }
+  {
+    cat "$work/log"
+    fail "find_package has no embree_cbvh"
+  }
 (cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) ||
   fail "a program with libembree_cbvh does not run"
 LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree[34].so.[34] => $stock" ||
@@ -125,12 +150,18 @@ mkdir "$work/codec"
 cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
 "$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" &&
   "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
-  { cat "$work/log"; fail "find_package has no cvert"; }
+  {
+    cat "$work/log"
+    fail "find_package has no cvert"
+  }
 "$here/../codec/examples.sh" "$work/codec/build/encode_grid" "$work/codec/build/file_to_obj"
 # The library can be linked by programs compiled for any instruction set.
 "$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 \
   > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
-  { cat "$work/log"; fail "a program compiled with -mavx2 does not link cvert"; }
+  {
+    cat "$work/log"
+    fail "a program compiled with -mavx2 does not link cvert"
+  }
 ! ldd "$work/codec/build/file_to_obj" | grep -iE "embree|tbb" || fail "the codec needs Embree or TBB"
 
 # --- manual pages: one for each function of our headers ---------------------------------------------
@@ -169,25 +200,42 @@ done
 for program in "$work"/prefix/bin/cbvh_*; do
   "$program" --version > "$work/output" || fail "$program --version does not run"
   [ "$(head -n 1 "$work/output")" = "${program##*/} $version" ] ||
-    { cat "$work/output"; fail "$program --version: the first line is not \"${program##*/} $version\""; }
+    {
+      cat "$work/output"
+      fail "$program --version: the first line is not \"${program##*/} $version\""
+    }
   grep -q "^library: Embree CBVH $version on Embree 3.13.5, $work/prefix/" "$work/output" ||
-    { cat "$work/output"; fail "$program runs on a different library"; }
+    {
+      cat "$work/output"
+      fail "$program runs on a different library"
+    }
   case $host in
     */libembree3.*)
       LD_LIBRARY_PATH=$stock "$program" --version > "$work/output" 2>&1 &&
         grep -q "^library: Embree 3.13.5, without compression, $stock/libembree3.so.3" "$work/output" ||
-        { cat "$work/output"; fail "$program does not start with Embree's library"; } ;;
+        {
+          cat "$work/output"
+          fail "$program does not start with Embree's library"
+        }
+      ;;
   esac
 done
 if [ -x "$work/prefix/bin/cbvh_render" ]; then
   render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --output "$work/pictures" "$@"; }
-  render --representation cvert > "$work/output" 2>&1 || { cat "$work/output"; fail "cbvh_render does not run"; }
+  render --representation cvert > "$work/output" 2>&1 || {
+    cat "$work/output"
+    fail "cbvh_render does not run"
+  }
   case $host in
     */libembree3.*)
       ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/output" 2>&1 ||
         fail "cbvh_render compresses with Embree's library"
       grep -q "Embree 3.13.5.* $stock/libembree3.so.3.*LD_LIBRARY_PATH" "$work/output" ||
-        { cat "$work/output"; fail "cbvh_render does not name Embree's library and the remedy"; } ;;
+        {
+          cat "$work/output"
+          fail "cbvh_render does not name Embree's library and the remedy"
+        }
+      ;;
   esac
   tail -n 1 "$work/output"
 fi

@@ -11,8 +11,7 @@
 extern const char* const programIsa; // in Embree's spelling, a constant of the program
 
 // Runs before the constructors of the program's own objects, which have no priority.
-__attribute__((constructor(101))) static void checkIsa()
-{
+__attribute__((constructor(101))) static void checkIsa() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   bool runs = false;

@@ -20,53 +20,51 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
 // Triangles of neighbors in a wavy sheet, or of random vertices. exponent: of a lattice, or at most -1000 for none
-std::vector<MeshTriangle> randomTriangles(Random& random, int exponent, double far, bool isSheet)
-{
+std::vector<MeshTriangle> randomTriangles(Random& random, int exponent, double far, bool isSheet) {
   const uint32_t size = 16;
-  float points[(size + 1)*(size + 1)][3];
+  float points[(size + 1) * (size + 1)][3];
   double axis[3][3], origin[3];
   for (int k = 0; k < 3; k++) {
-    origin[k] = far*random.uniform(-1, 1);
+    origin[k] = far * random.uniform(-1, 1);
     for (auto& a : axis) a[k] = random.uniform(-1, 1);
   }
-  for (uint32_t i = 0; i < (size + 1)*(size + 1); i++)
+  for (uint32_t i = 0; i < (size + 1) * (size + 1); i++)
     for (int k = 0; k < 3; k++) {
-      const double u = i % (size + 1) + random.uniform(-0.3, 0.3), v = double(i/(size + 1));
-      const double x = origin[k] + u*axis[0][k] + v*axis[1][k] + 0.1*random.normal()*axis[2][k];
+      const double u = i % (size + 1) + random.uniform(-0.3, 0.3), v = double(i / (size + 1));
+      const double x = origin[k] + u * axis[0][k] + v * axis[1][k] + 0.1 * random.normal() * axis[2][k];
       points[i][k] = exponent > -1000 ? float(std::ldexp(std::floor(std::ldexp(x, -exponent)), exponent)) : float(x);
     }
   std::vector<MeshTriangle> triangles;
   for (uint32_t n = 1 + random.below(256), first = random.bits(); triangles.size() < n;) {
     uint32_t v[3];
-    const uint32_t x = random.below(size), y = uint32_t(triangles.size())/size;
+    const uint32_t x = random.below(size), y = uint32_t(triangles.size()) / size;
     for (uint32_t& i : v)
-      i = isSheet ? (y + random.below(2))*(size + 1) + x + random.below(2) : random.below((size + 1)*(size + 1));
+      i = isSheet ? (y + random.below(2)) * (size + 1) + x + random.below(2) : random.below((size + 1) * (size + 1));
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
     MeshTriangle t;
     for (int c = 0; c < 3; c++) std::copy_n(points[v[c]], 3, t.corners[c]);
-    if (std::equal(t.corners[0], t.corners[1], t.corners[1]) || std::equal(t.corners[1], t.corners[2], t.corners[2])
-      || std::equal(t.corners[2], t.corners[2] + 3, t.corners[0])) continue;
+    if (std::equal(t.corners[0], t.corners[1], t.corners[1]) || std::equal(t.corners[1], t.corners[2], t.corners[2]) ||
+        std::equal(t.corners[2], t.corners[2] + 3, t.corners[0]))
+      continue;
     t.number = random.chance(0.05) ? random.bits() : first + uint32_t(triangles.size());
     triangles.push_back(t);
   }
   return triangles;
 }
 
-TEST(MeshDecoding, GroupsMatchScalarDecoder)
-{
+TEST(MeshDecoding, GroupsMatchScalarDecoder) {
   Random random(96);
   auto encoder = std::make_unique<MeshEncoder>();
-  std::vector<uint64_t> memory(MeshEncoder::maxBytes/8 + 4);
+  std::vector<uint64_t> memory(MeshEncoder::maxBytes / 8 + 4);
   MeshStatistics statistics;
   for (int i = 0; i < 3000; i++) {
     const auto triangles = randomTriangles(random, i % 3 ? -int(random.below(14)) : -1001,
-      std::vector<double>{0, 10, 1e4, 1e6}[random.below(4)], i % 4 != 0);
+                                           std::vector<double>{0, 10, 1e4, 1e6}[random.below(4)], i % 4 != 0);
     std::vector<uint32_t> ends;
     const uint32_t count = uint32_t(triangles.size()), groupSize = std::vector<uint32_t>{3, 16, 32}[random.below(3)];
     for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize)
@@ -99,11 +97,11 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
           double sheared = 0;
           for (int k = 0; k < 3; k++) {
             const float x = expected.corners[c][k][t];
-            const MeshTriangles& half = halves[t/16];
-            ASSERT_EQ(half.vertices.at[k][half.corners[c][t%16]], x)
-              << "triangle " << t << ", corner " << c << ", axis " << k;
-            ASSERT_LE(std::fabs(double(x) - entry->origin[k]), entry->extent[k]*(1 + 1e-6));
-            sheared += (double(x) - entry->origin[k])*entry->shear[k];
+            const MeshTriangles& half = halves[t / 16];
+            ASSERT_EQ(half.vertices.at[k][half.corners[c][t % 16]], x)
+                << "triangle " << t << ", corner " << c << ", axis " << k;
+            ASSERT_LE(std::fabs(double(x) - entry->origin[k]), entry->extent[k] * (1 + 1e-6));
+            sheared += (double(x) - entry->origin[k]) * entry->shear[k];
             if (k == entry->shearedAxis) continue;
             ASSERT_LE(entry->planes[k].at[0][g], x);
             ASSERT_GE(entry->planes[k].at[1][g], x);
@@ -122,8 +120,7 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
 
 // Triangles of random vertices, and rays through a vertex or the middle of two: triangles that contain the ray must
 // be found. The stored sides must equal those that each triangle computes.
-TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
-{
+TEST(MeshTriangles, TrianglesThatContainTheRayAreFound) {
   using namespace embree::isa::cbvh;
   using embree::Vec3fa;
   Random random(97);
@@ -138,7 +135,7 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
     for (auto& corners : group.corners)
       for (uint8_t& v : corners) v &= 31;
     for (uint32_t v = 0; v < numVertices; v++)
-      for (float& x : vertices[v]) x = float(random.below(i % 2 ? 9 : 4096))/128;
+      for (float& x : vertices[v]) x = float(random.below(i % 2 ? 9 : 4096)) / 128;
     for (uint32_t t = 0; t < count; t++)
       for (int c = 0; c < 3; c++) {
         const uint32_t v = random.below(numVertices);
@@ -148,8 +145,8 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
     const uint32_t a = random.below(numVertices), b = random.below(numVertices);
     float org[3], dir[3];
     for (int k = 0; k < 3; k++) {
-      org[k] = float(random.below(64))/64 - (k == 2 ? 4 : 0);
-      dir[k] = 0.5f*(vertices[a][k] + vertices[b][k]) - org[k];
+      org[k] = float(random.below(64)) / 64 - (k == 2 ? 4 : 0);
+      dir[k] = 0.5f * (vertices[a][k] + vertices[b][k]) - org[k];
     }
     VertRay ray;
     ray.set(embree::Ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY));
@@ -160,10 +157,13 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
       const VertTriangle triangle(group, t);
       const VertTriangle::Sides sides = triangle.sides(ray);
       ASSERT_TRUE(stored.at(t).w0 == sides.w0 && stored.at(t).w1 == sides.w1 && stored.at(t).w2 == sides.w2)
-        << "case " << i << ", triangle " << t;
+          << "case " << i << ", triangle " << t;
       const bool isInside = triangle.containsExactly(ray), isCertain = haveExactSigns(sides);
-      if (isInside) { ASSERT_TRUE(mask >> t & 1) << "case " << i << ", triangle " << t; }
-      else { ASSERT_FALSE((mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
+      if (isInside) {
+        ASSERT_TRUE(mask >> t & 1) << "case " << i << ", triangle " << t;
+      } else {
+        ASSERT_FALSE((mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t;
+      }
       found += isInside;
       onEdges += isInside && !isCertain;
     }
@@ -172,5 +172,4 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
   EXPECT_GT(onEdges, 50u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

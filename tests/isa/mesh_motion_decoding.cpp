@@ -17,14 +17,12 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 using namespace embree::isa::cbvh;
 
-void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
-{
+void expectSegment(const MeshHeader* block, uint32_t segment, float fraction) {
   auto entry = std::make_unique<MeshSegmentEntry>();
   auto group = std::make_unique<SegmentTriangles>();
   const MeshMotionDecoder decoder(block);
@@ -46,7 +44,7 @@ void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
       const uint32_t i = view.firstTriangle[g] + t, half = t >> 4, lane = t & 15;
       if (lane == 0) {
         decoder.triangles(*entry, g, half, *group);
-        ASSERT_EQ(group->begin.lanes, (1u << std::min(16u, count - 16*half)) - 1);
+        ASSERT_EQ(group->begin.lanes, (1u << std::min(16u, count - 16 * half)) - 1);
         ASSERT_EQ(group->begin.hasNextHalf, half == 0 && count > 16);
       }
       const MeshTriangles& atTime = moving.triangles(g, half);
@@ -61,20 +59,19 @@ void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
           const float a = ends[0]->vertices[v][k], b = ends[1]->vertices[v][k], p = atTime.vertices.at[k][local];
           ASSERT_EQ(group->begin.vertices.at[k][local], a) << "group " << g << ", triangle " << t;
           ASSERT_EQ(group->end.at[k][local], b) << "group " << g << ", triangle " << t;
-          ASSERT_NEAR(p, (1 - double(fraction))*a + double(fraction)*b, 1e-6*(std::fabs(a) + std::fabs(b)));
+          ASSERT_NEAR(p, (1 - double(fraction)) * a + double(fraction) * b, 1e-6 * (std::fabs(a) + std::fabs(b)));
           if (fraction == 0) { ASSERT_EQ(p, a); }
           if (fraction == 1) { ASSERT_EQ(p, b); }
           ASSERT_TRUE(now.planes[k].at[0][g] <= p && p <= now.planes[k].at[1][g])
-            << "group " << g << ", axis " << k << ": " << p << " is not from " << now.planes[k].at[0][g] << " to "
-            << now.planes[k].at[1][g];
+              << "group " << g << ", axis " << k << ": " << p << " is not from " << now.planes[k].at[0][g] << " to "
+              << now.planes[k].at[1][g];
           ASSERT_LE(std::fabs(p - now.origin[k]), now.extent[k]);
         }
     }
   }
 }
 
-TEST(MeshMotionDecoding, SegmentsMatchScalarDecoder)
-{
+TEST(MeshMotionDecoding, SegmentsMatchScalarDecoder) {
   Random random(3171);
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
@@ -96,5 +93,4 @@ TEST(MeshMotionDecoding, SegmentsMatchScalarDecoder)
   EXPECT_GT(statistics.shearedBlocks, 20u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

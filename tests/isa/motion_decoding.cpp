@@ -17,26 +17,23 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 using namespace embree::isa::cbvh;
 
 // True if the planes of a group's box contain a vertex along an axis; the sheared coordinate is computed in double
 // precision.
-bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
-{
+bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3]) {
   double c = p[k];
   if (k == boxes.shearedAxis) {
     c = 0;
-    for (int a = 0; a < 3; a++) c += double(boxes.shear[a])*(double(p[a]) - boxes.origin[a]);
+    for (int a = 0; a < 3; a++) c += double(boxes.shear[a]) * (double(p[a]) - boxes.origin[a]);
   }
   return boxes.planes[k].at[0][lane] <= c && c <= boxes.planes[k].at[1][lane];
 }
 
-TEST(MotionDecoding, SegmentsMatchScalarDecoder)
-{
+TEST(MotionDecoding, SegmentsMatchScalarDecoder) {
   Random random(3161);
   auto encoder = std::make_unique<MotionEncoder>();
   auto entry = std::make_unique<VertSegmentEntry>();
@@ -66,15 +63,15 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
       const CellVertices& atTime = moving.vertices(lane);
       for (uint32_t y = 0; y < 5; y++)
         for (uint32_t x = 0; x < 5; x++) {
-          const uint32_t column = std::min(4*(lane & 3) + x, sheet.quadsX),
-                         row = std::min(4*(lane >> 2) + y, sheet.quadsY);
+          const uint32_t column = std::min(4 * (lane & 3) + x, sheet.quadsX),
+                         row = std::min(4 * (lane >> 2) + y, sheet.quadsY);
           for (int e = 0; e < 2; e++)
             for (int k = 0; k < 3; k++) {
               const float a = group->vertices[e].at[k][laneOfVertex(x, y)],
                           b = (e ? *after : *before).vertex(column, row)[k];
               ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)))
-                << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane "
-                << lane;
+                  << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane "
+                  << lane;
             }
         }
       for (int v = 0; v < cellVertices; v++) {
@@ -82,7 +79,7 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
         if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
         for (int k = 0; k < 3; k++)
           ASSERT_TRUE(contains(now, lane, k, p))
-            << "sheet " << i << ", lane " << lane << ", vertex " << v << ", axis " << k << ", at " << fraction;
+              << "sheet " << i << ", lane " << lane << ", vertex " << v << ", axis " << k << ", at " << fraction;
       }
     }
   }
@@ -92,8 +89,7 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
 }
 
 // Bounds of whole blocks must not cull rays that hit a vertex.
-TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
-{
+TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes) {
   Random random(3162);
   auto encoder = std::make_unique<MotionEncoder>();
   size_t rays = 0, missed = 0;
@@ -107,14 +103,15 @@ TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
     const GroupBoxes& now = moving.boxes();
     for (int r = 0; r < 20 && now.lanes; r++) {
       uint32_t lane;
-      do lane = random.below(16); while (!((now.lanes >> lane) & 1));
+      do lane = random.below(16);
+      while (!((now.lanes >> lane) & 1));
       const CellVertices& atTime = moving.vertices(lane);
       const uint32_t v = random.below(cellVertices);
       const float p[3] = {atTime.at[0][v], atTime.at[1][v], atTime.at[2][v]};
       if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
       float org[3], dir[3];
       for (int k = 0; k < 3; k++) {
-        dir[k] = float(random.normal())*600*sheet.spacings[segment];
+        dir[k] = float(random.normal()) * 600 * sheet.spacings[segment];
         org[k] = p[k] - dir[k];
         dir[k] = p[k] - org[k];
       }
@@ -130,5 +127,4 @@ TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
   EXPECT_EQ(missed, 0u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -18,8 +18,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -27,8 +26,7 @@ using namespace cvert;
 
 // Vertices with residuals of all sizes; some blocks are raw. spacing: of their lattice, if isSnapped
 void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness,
-                  float spacing, bool isSnapped)
-{
+                  float spacing, bool isSnapped) {
   double axis[3][3], origin[3];
   for (int k = 0; k < 3; k++) {
     origin[k] = std::floor(random.uniform(-1e5, 1e5));
@@ -36,20 +34,19 @@ void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_
   }
   for (uint32_t y = 0; y <= quadsY; y++)
     for (uint32_t x = 0; x <= quadsX; x++) {
-      const double h = roughness*random.normal();
+      const double h = roughness * random.normal();
       // 20: not along a normal
       auto place = [&](int k) {
-        return x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k]);
+        return x * axis[0][k] + y * axis[1][k] + (roughness == 20 ? 1000 * random.normal() : h * axis[2][k]);
       };
       for (int k = 0; k < 3; k++)
-        encoder.vertices[y*(quadsX + 1) + x][k] = float(
-          (isSnapped ? origin[k] + std::floor(place(k)) : 0.01*origin[k] + place(k))*spacing);
+        encoder.vertices[y * (quadsX + 1) + x][k] =
+            float((isSnapped ? origin[k] + std::floor(place(k)) : 0.01 * origin[k] + place(k)) * spacing);
     }
-  if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
+  if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1) * (quadsY + 1))][0] = INFINITY;
 }
 
-TEST(VertDecoding, GroupsMatchScalarDecoder)
-{
+TEST(VertDecoding, GroupsMatchScalarDecoder) {
   using namespace embree::isa::cbvh;
   Random random(95);
   auto encoder = std::make_unique<VertEncoder>();
@@ -76,7 +73,7 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
     sheared += !statistics.raw && shearSlope(block->info, 1) != 0;
     uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
-      const uint32_t g = (n*7 + 3) % layout.groups, lane = g % layout.groupsX + 4*(g/layout.groupsX);
+      const uint32_t g = (n * 7 + 3) % layout.groups, lane = g % layout.groupsX + 4 * (g / layout.groupsX);
       lanes |= 1u << lane;
       float lower[3], upper[3];
       expected->groupBox(g, lower, upper);
@@ -88,14 +85,14 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
       decoder.vertices(entry, lane, group);
       for (uint32_t q = 0; q < 16; q++)
         for (uint32_t c = 0; c < 4; c++) {
-          const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX),
-                         y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
+          const uint32_t x = std::min(groupQuads * (g % layout.groupsX) + q % 4 + c % 2, quadsX),
+                         y = std::min(groupQuads * (g / layout.groupsX) + q / 4 + c / 2, quadsY);
           for (int k = 0; k < 3; k++) {
             const float a = group.at[k][laneOfCorner(q, c)], b = expected->vertex(x, y)[k];
             ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)))
-              << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
-              << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis "
-              << k;
+                << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
+                << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis "
+                << k;
           }
         }
     }
@@ -104,7 +101,7 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
     for (int k = 0; k < 3; k++) {
       ASSERT_EQ(entry.origin[k], block->origin[k]);
       const int i = (k - entry.shearedAxis + 3) % 3; // the sheared axis, or the number of axes after it
-      ASSERT_EQ(entry.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->info, i)/16.0f);
+      ASSERT_EQ(entry.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->info, i) / 16.0f);
     }
   }
   EXPECT_GT(raw, 100u);
@@ -116,8 +113,7 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
 
 // Vertices on few lattice points: many are equal, collinear, or coplanar with the ray. Triangles that contain the ray
 // by exact signs must be found, although sides round to 0.
-TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
-{
+TEST(VertTriangles, TrianglesThatContainTheRayAreFound) {
   using namespace embree::isa::cbvh;
   using embree::Vec3fa;
   Random random(96);
@@ -129,18 +125,18 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
     const bool isLine = i % 2;
     float along[VertTables::lanes], step[3];
     for (float& x : along) x = float(random.below(8));
-    for (float& x : step) x = float(int(random.below(40)) - 20)/128;
+    for (float& x : step) x = float(int(random.below(40)) - 20) / 128;
     for (int k = 0; k < 3; k++)
       for (int v = 0; v < VertTables::lanes; v++)
-        cell.at[k][v] = (isLine ? along[v]*step[k] : float(random.below(width))/128) + (k == 2 ? 1 : 0);
+        cell.at[k][v] = (isLine ? along[v] * step[k] : float(random.below(width)) / 128) + (k == 2 ? 1 : 0);
     const bool hole = i % 7 == 0;
     if (hole) cell.at[i % 3][random.below(cellVertices)] = NAN;
     // at a vertex, or at the middle of two
     const unsigned a = random.below(cellVertices), b = random.below(cellVertices);
     float org[3], dir[3];
     for (int k = 0; k < 3; k++) {
-      org[k] = float(random.below(64))/64 - (k == 2 ? 4 : 0);
-      dir[k] = 0.5f*(cell.at[k][a] + cell.at[k][b]) - org[k];
+      org[k] = float(random.below(64)) / 64 - (k == 2 ? 4 : 0);
+      dir[k] = 0.5f * (cell.at[k][a] + cell.at[k][b]) - org[k];
     }
     if (!(std::fabs(dir[0]) + std::fabs(dir[1]) + std::fabs(dir[2]) > 0)) continue;
     const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
@@ -152,13 +148,12 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
       const VertTriangle::Sides stored = triangles.sides(index), sides = triangle.sides(pre);
       if (!hole) {
         ASSERT_TRUE(stored.w0 == sides.w0 && stored.w1 == sides.w1 && stored.w2 == sides.w2 && stored.sum == sides.sum)
-          << "case " << i << ", triangle " << index;
+            << "case " << i << ", triangle " << index;
       }
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> index & 1) && haveExactSigns(sides))
-          << "case " << i << ", triangle " << index;
+        ASSERT_FALSE((triangles.mask >> index & 1) && haveExactSigns(sides)) << "case " << i << ", triangle " << index;
         bad++;
         continue;
       }
@@ -174,8 +169,7 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
 
 // A ray along z through lattice points, in integers: a triangle contains the ray if it is inside or on an edge,
 // unless the triangle is degenerate seen along the ray.
-TEST(VertTriangles, ContainInnerPointsAndEdges)
-{
+TEST(VertTriangles, ContainInnerPointsAndEdges) {
   using namespace embree::isa::cbvh;
   Random random(98);
   size_t inside = 0, onEdges = 0, lines = 0;
@@ -194,7 +188,7 @@ TEST(VertTriangles, ContainInnerPointsAndEdges)
         y[v] = int(cell.at[1][laneOfCorner(index >> 1, corners[index & 1][v])]);
       }
       const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) {
-        return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax);
+        return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
       };
       const int all = area(x[0], y[0], x[1], y[1], x[2], y[2]);
       const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]),
@@ -203,7 +197,7 @@ TEST(VertTriangles, ContainInnerPointsAndEdges)
       const bool isInside = all != 0 && std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]) == std::abs(all);
       ASSERT_EQ(VertTriangle(cell, index).containsExactly(pre), isInside) << "case " << i << ", triangle " << index;
       inside += isInside;
-      onEdges += isInside && parts[0]*parts[1]*parts[2] == 0;
+      onEdges += isInside && parts[0] * parts[1] * parts[2] == 0;
       lines += all == 0;
     }
   }
@@ -214,8 +208,7 @@ TEST(VertTriangles, ContainInnerPointsAndEdges)
 
 // The rays of a packet through and past vertices, including values that are not finite.
 template<int K>
-void comparePacketsWithRays()
-{
+void comparePacketsWithRays() {
   using namespace embree::isa::cbvh;
   using embree::Vec3fa;
   Random random(97);
@@ -224,7 +217,7 @@ void comparePacketsWithRays()
     CellVertices cell;
     const unsigned width = 2 + random.below(30);
     for (int k = 0; k < 3; k++)
-      for (float& x : cell.at[k]) x = float(random.below(width))/128 + (k == i % 3 ? 1 : 0);
+      for (float& x : cell.at[k]) x = float(random.below(width)) / 128 + (k == i % 3 ? 1 : 0);
     if (i % 7 == 0) cell.at[i % 3][random.below(cellVertices)] = NAN;
 
     embree::RayK<K> packet;
@@ -233,8 +226,9 @@ void comparePacketsWithRays()
       const unsigned a = random.below(cellVertices), b = random.below(cellVertices);
       float org[3], dir[3];
       for (int k = 0; k < 3; k++) {
-        org[k] = float(random.below(64))/64 - (k == i % 3 ? 4 : 0);
-        dir[k] = 0.5f*(cell.at[k][a] + cell.at[k][b]) - org[k] + (random.chance(0.5) ? 0 : random.uniform(-0.01, 0.01));
+        org[k] = float(random.below(64)) / 64 - (k == i % 3 ? 4 : 0);
+        dir[k] =
+            0.5f * (cell.at[k][a] + cell.at[k][b]) - org[k] + (random.chance(0.5) ? 0 : random.uniform(-0.01, 0.01));
       }
       const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
       rays[r].set(ray);
@@ -257,8 +251,7 @@ void comparePacketsWithRays()
   EXPECT_GT(found, 1000u);
 }
 
-TEST(VertTriangles, PacketsMatchSingleRays)
-{
+TEST(VertTriangles, PacketsMatchSingleRays) {
   comparePacketsWithRays<4>();
 #if defined(__AVX__)
   comparePacketsWithRays<8>();
@@ -270,8 +263,7 @@ TEST(VertTriangles, PacketsMatchSingleRays)
 
 // As seen by a thread with weakly ordered loads while another thread maps the first file: the function that checks
 // blocks is not visible yet.
-TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
-{
+TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible) {
   const uint64_t block[2] = {0, 0};
   ASSERT_EQ(mappedBlockValidator.load(), nullptr) << "this program has no files";
   EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
@@ -285,5 +277,4 @@ TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
   mappedBlockValidator = nullptr;
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

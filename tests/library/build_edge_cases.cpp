@@ -8,21 +8,19 @@
 
 #include <cmath>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Independently of the tasks that build both.
-TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
-{
+TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors) {
   Device device("threads=1,subdiv_accel=cbvh.leaf");
   Scene scene(device);
   DisplaceFunction poison =
-                     [](unsigned primID, float, float, Vec& p) {
-                       if (primID == 0) p[2] = NAN;
-                     },
+                       [](unsigned primID, float, float, Vec& p) {
+                         if (primID == 0) p[2] = NAN;
+                       },
                    none = [](unsigned, float, float, Vec&) {};
   for (int m = 0; m < 2; m++) {
-    RTCGeometry geometry = newSheet(device, m ? 4 : 2, 10.f*m, 64, m ? none : poison);
+    RTCGeometry geometry = newSheet(device, m ? 4 : 2, 10.f * m, 64, m ? none : poison);
     rtcCommitGeometry(geometry);
     attach(scene, geometry);
   }
@@ -31,21 +29,20 @@ TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4096u);
   for (int f = 0; f < 6; f++)
     for (int i = 0; i < 64; i++) {
-      const float x = (f < 2 ? f : 10 + f - 2) + (i % 8 + 0.3f)/8, y = (i/8 + 0.4f)/8;
+      const float x = (f < 2 ? f : 10 + f - 2) + (i % 8 + 0.3f) / 8, y = (i / 8 + 0.4f) / 8;
       EXPECT_EQ(isHit(intersect(scene, makeRay({x, y, 1}, {0, 0, -1}))), f != 0)
-        << "face " << f << " at " << x << ", " << y;
+          << "face " << f << " at " << x << ", " << y;
     }
 }
 
 // Frame levels for an error bound are chosen once. Other values later must not overflow buffers.
-TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater)
-{
+TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater) {
   Device device("threads=1,subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0005,cbvh_fallback_faces=0");
   Scene scene(device);
   size_t calls = 0;
   DisplaceFunction rougher = [&](unsigned, float u, float v, Vec& p) {
-    const float amplitude = calls++ < 4*33*33 ? 0.f : 0.1f;
-    p[2] = amplitude*std::sin(40*u)*std::sin(40*v);
+    const float amplitude = calls++ < 4 * 33 * 33 ? 0.f : 0.1f;
+    p[2] = amplitude * std::sin(40 * u) * std::sin(40 * v);
   };
   commit(scene, newSheet(device, 4, 0, 32, rougher));
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -53,23 +50,24 @@ TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater)
 }
 
 // Boxes that count calls of their bounds function, enough for a tree of their own.
-RTCGeometry newBoxes(RTCDevice device, unsigned& asked)
-{
+RTCGeometry newBoxes(RTCDevice device, unsigned& asked) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, 100);
   rtcSetGeometryUserData(geometry, &asked);
-  rtcSetGeometryBoundsFunction(geometry, [](const RTCBoundsFunctionArguments* args) {
-    ++*(unsigned*)args->geometryUserPtr;
-    *args->bounds_o = RTCBounds{0, 0, 0, 0, 1, 1, 1, 0};
-  }, nullptr);
+  rtcSetGeometryBoundsFunction(
+      geometry,
+      [](const RTCBoundsFunctionArguments* args) {
+        ++*(unsigned*)args->geometryUserPtr;
+        *args->bounds_o = RTCBounds{0, 0, 0, 0, 1, 1, 1, 0};
+      },
+      nullptr);
   rtcCommitGeometry(geometry);
   return geometry;
 }
 
 // A compressed geometry without faces has no accelerator. If dynamic scenes created one at every commit, other
 // geometries would be rebuilt.
-TEST(BuildEdgeCases, GeometryWithoutFacesDoesNotCauseRebuilds)
-{
+TEST(BuildEdgeCases, GeometryWithoutFacesDoesNotCauseRebuilds) {
   Device device("threads=1,subdiv_accel=cbvh.leaf");
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   // one tree per geometry; trees of unchanged geometries are kept
@@ -89,5 +87,4 @@ TEST(BuildEdgeCases, GeometryWithoutFacesDoesNotCauseRebuilds)
   EXPECT_EQ(stats.numBlocks + stats.numQuads + stats.topLevelBytes, 0u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -15,35 +15,29 @@
 
 #include <exception>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr RTCCompressedClusterFormat FLOAT3 = RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3,
-  COMPRESSED1 = RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1, DGF1 = RTC_COMPRESSED_CLUSTER_FORMAT_DGF1;
+                                     COMPRESSED1 = RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1,
+                                     DGF1 = RTC_COMPRESSED_CLUSTER_FORMAT_DGF1;
 const RTCCompressedClusterFormat allFormats[] = {FLOAT3, COMPRESSED1, DGF1};
-const char* nameOf(RTCCompressedClusterFormat format)
-{
-  return format == DGF1 ? "DGF1"
-         : format == COMPRESSED1 ? "COMPRESSED1"
-                                                    : "floats";
+const char* nameOf(RTCCompressedClusterFormat format) {
+  return format == DGF1 ? "DGF1" : format == COMPRESSED1 ? "COMPRESSED1" : "floats";
 }
 
 // A compressed geometry, and the scene that committed it if it is a cage.
-struct Stored
-{
+struct Stored {
   RTCGeometry geometry;
 
   explicit Stored(RTCGeometry geometry) : geometry(geometry) {}
-  Stored(RTCDevice device, const Cage& cage, SurfaceSettings settings, RTCCompression kind = RTC_COMPRESSION_CVERT)
-  {
+  Stored(RTCDevice device, const Cage& cage, SurfaceSettings settings, RTCCompression kind = RTC_COMPRESSION_CVERT) {
     settings.compression = kind;
     geometry = newSurface(device, cage, settings);
     scene = rtcNewScene(device);
     rtcAttachGeometry(scene, geometry);
     rtcCommitScene(scene);
   }
-  ~Stored()
-  {
+  ~Stored() {
     rtcReleaseGeometry(geometry);
     if (scene) rtcReleaseScene(scene);
   }
@@ -56,8 +50,7 @@ private:
 };
 
 // Checks all formats. allFit: no cluster falls back to floats.
-void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
-{
+void expectClusters(RTCGeometry geometry, bool allFit, float time = 0) {
   size_t triangles = 0;
   for (RTCCompressedClusterFormat format : allFormats) {
     SCOPED_TRACE(nameOf(format));
@@ -70,13 +63,11 @@ void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
         EXPECT_EQ(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_NONE],
                   judge.statistics.numClusters);
       }
-    }
-    catch (const std::exception& error) { ADD_FAILURE() << error.what(); }
+    } catch (const std::exception& error) { ADD_FAILURE() << error.what(); }
   }
 }
 
-TEST(Clusters, ClustersOfCagesMatchHitTriangles)
-{
+TEST(Clusters, ClustersOfCagesMatchHitTriangles) {
   Device device;
   Random random(171);
   Displacement displacement;
@@ -91,35 +82,32 @@ TEST(Clusters, ClustersOfCagesMatchHitTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, UnstitchedClustersAreWholeGrids)
-{
+TEST(Clusters, UnstitchedClustersAreWholeGrids) {
   Device device;
   SurfaceSettings settings;
   settings.rate = 32;
   Displacement displacement;
   settings.displacement = &displacement;
   const Stored cube(device, cubeCage(), settings);
-  const ClusterJudge positions(cube, 0, COMPRESSED1), dgf(cube, 0, DGF1),
-    floats(cube, 0, FLOAT3);
-  EXPECT_EQ(positions.statistics.numClusters, 6*16u);
-  EXPECT_EQ(positions.statistics.numVertices, 6*16*81u);
-  EXPECT_EQ(positions.wholeClusters, 6*16u);
+  const ClusterJudge positions(cube, 0, COMPRESSED1), dgf(cube, 0, DGF1), floats(cube, 0, FLOAT3);
+  EXPECT_EQ(positions.statistics.numClusters, 6 * 16u);
+  EXPECT_EQ(positions.statistics.numVertices, 6 * 16 * 81u);
+  EXPECT_EQ(positions.wholeClusters, 6 * 16u);
   EXPECT_EQ(positions.statistics.indexBytes, 0u);
-  EXPECT_LT(positions.statistics.bytes, floats.statistics.bytes/2);
-  EXPECT_EQ(dgf.statistics.bytes, 128*dgf.statistics.numClusters);
+  EXPECT_LT(positions.statistics.bytes, floats.statistics.bytes / 2);
+  EXPECT_EQ(dgf.statistics.bytes, 128 * dgf.statistics.numClusters);
   EXPECT_LT(dgf.statistics.bytes, floats.statistics.bytes);
   EXPECT_LE(dgf.largestCluster, 64u);
 }
 
-TEST(Clusters, AnyScaleAndPositionIsSupported)
-{
+TEST(Clusters, AnyScaleAndPositionIsSupported) {
   Device device;
   for (float scale : {1e-30f, 1e-6f, 1.0f, 1e6f, 1e12f})
     for (float away : {0.0f, 1.0f, -1000.0f, 3000.0f, 300000.0f}) {
       SCOPED_TRACE(testing::Message() << "scale " << scale << ", " << away << " of it away");
       Displacement displacement;
       displacement.scale = scale;
-      displacement.offset = {away*scale, -away*scale, 0.5f*away*scale};
+      displacement.offset = {away * scale, -away * scale, 0.5f * away * scale};
       SurfaceSettings settings;
       settings.displacement = &displacement;
       settings.rate = 20;
@@ -129,12 +117,11 @@ TEST(Clusters, AnyScaleAndPositionIsSupported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, HolesAndNonFiniteVerticesAreLeftOut)
-{
+TEST(Clusters, HolesAndNonFiniteVerticesAreLeftOut) {
   Device device;
   Random random(172);
   Displacement displacement;
-  displacement.poison = [&](unsigned, float u, float v) { return std::fmod(97*u + 31*v, 1.0f) < 0.02f; };
+  displacement.poison = [&](unsigned, float u, float v) { return std::fmod(97 * u + 31 * v, 1.0f) < 0.02f; };
   Cage cage = cubeCage();
   cage.holes = {2};
   for (float rate : {5.0f, 24.0f, 33.0f}) {
@@ -145,8 +132,7 @@ TEST(Clusters, HolesAndNonFiniteVerticesAreLeftOut)
   }
 }
 
-TEST(Clusters, GridsQuadsAndTrianglesAreSupported)
-{
+TEST(Clusters, GridsQuadsAndTrianglesAreSupported) {
   Device device;
   Random random(173);
   std::vector<Diced> all = {dicedSheet(1, 50), dicedSheet(3, 8), dicedBall(2, 9), dicedBall(2, 17, 3)};
@@ -161,20 +147,20 @@ TEST(Clusters, GridsQuadsAndTrianglesAreSupported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, ReasonForFloatsIsReported)
-{
+TEST(Clusters, ReasonForFloatsIsReported) {
   Device device;
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
   const auto reasonOf = [&](RTCGeometry geometry, float time, RTCCompressedClusterFormat format) {
     const ClusterJudge judge(geometry, time, format);
-    for (int i = 0; i < 4; i++) if (judge.statistics.numClustersByReason[i] == judge.statistics.numClusters) return i;
+    for (int i = 0; i < 4; i++)
+      if (judge.statistics.numClustersByReason[i] == judge.statistics.numClusters) return i;
     return -1;
   };
   const Stored raw(device, cubeCage(), settings, RTC_COMPRESSION_CGRID);
   settings.timeSteps = 3;
-  settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3 * i) : p; };
   const Stored moving(device, cubeCage(), settings);
   for (RTCCompressedClusterFormat format : {COMPRESSED1, DGF1}) {
     EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_COMPRESSED_CLUSTER_REASON_FLOATS));
@@ -192,31 +178,31 @@ TEST(Clusters, ReasonForFloatsIsReported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats)
-{
+TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats) {
   Device device;
   Diced diced;
-  const auto position = [](double x, double y) { return Vec{float(x), float(y), float(0.1*std::sin(5*x + 3*y))}; };
-  diced.add(9, 9, [&](unsigned x, unsigned y) { return position(x/8.0, y/8.0); });
+  const auto position = [](double x, double y) {
+    return Vec{float(x), float(y), float(0.1 * std::sin(5 * x + 3 * y))};
+  };
+  diced.add(9, 9, [&](unsigned x, unsigned y) { return position(x / 8.0, y / 8.0); });
   diced.add(25, 25, [&](unsigned x, unsigned y) {
-    if (x > 0) return position(1 + x/24.0, y/24.0);
+    if (x > 0) return position(1 + x / 24.0, y / 24.0);
     // on an edge of the coarser grid; a third is on no lattice
-    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0);
-    const float t = float(y % 3)/3;
-    return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
+    const Vec a = position(1, y / 3 / 8.0), b = position(1, (y / 3 + 1) / 8.0);
+    const float t = float(y % 3) / 3;
+    return Vec{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
   });
   const Stored grids(newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
   for (RTCCompressedClusterFormat format : {COMPRESSED1, DGF1}) {
     const ClusterJudge judge(grids, 0, format);
     EXPECT_GT(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_FLOATS], 0u);
     EXPECT_GT(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_NONE], 0u);
-    EXPECT_EQ(judge.statistics.numTriangles, 2*diced.quads());
+    EXPECT_EQ(judge.statistics.numTriangles, 2 * diced.quads());
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
-{
+TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors) {
   Device device;
   SurfaceSettings settings;
   const Stored cube(device, cubeCage(), settings);
@@ -233,38 +219,39 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   size_t calls = 0;
   rtcForEachCompressedCluster(
-    cube, 0, DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls,
-    &statistics);
+      cube, 0, DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls, &statistics);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
   EXPECT_EQ(statistics.numClusters, 3u);
 }
 
-TEST(Clusters, CallbackMayReleaseTheGeometry)
-{
+TEST(Clusters, CallbackMayReleaseTheGeometry) {
   Memory memory;
   Device device;
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
-  struct Callback { RTCGeometry geometry; Memory& memory; ssize_t freed; } callback = {nullptr, memory, 0};
+  struct Callback {
+    RTCGeometry geometry;
+    Memory& memory;
+    ssize_t freed;
+  } callback = {nullptr, memory, 0};
   callback.geometry = newGrids(device, dicedSheet(4, 64), RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   const ssize_t before = memory.live;
   RTCCompressedClusterStatistics statistics;
   rtcForEachCompressedCluster(
-    callback.geometry, 0, COMPRESSED1,
-    [](void* self, const RTCCompressedCluster*) {
-      Callback& callback = *(Callback*)self;
-      if (!callback.geometry) return true;
-      const ssize_t before = callback.memory.live;
-      rtcReleaseGeometry(callback.geometry);
-      callback.geometry = nullptr;
-      callback.freed = before - callback.memory.live;
-      return true;
-    },
-    &callback, &statistics);
+      callback.geometry, 0, COMPRESSED1,
+      [](void* self, const RTCCompressedCluster*) {
+        Callback& callback = *(Callback*)self;
+        if (!callback.geometry) return true;
+        const ssize_t before = callback.memory.live;
+        rtcReleaseGeometry(callback.geometry);
+        callback.geometry = nullptr;
+        callback.freed = before - callback.memory.live;
+        return true;
+      },
+      &callback, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_EQ(callback.freed, 0) << "blocks were freed during the call";
-  EXPECT_EQ(statistics.numTriangles, 2u*256*256);
+  EXPECT_EQ(statistics.numTriangles, 2u * 256 * 256);
   EXPECT_LT(memory.live, before);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

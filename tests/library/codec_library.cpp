@@ -24,57 +24,54 @@
 #include <memory>
 #include <set>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using cvert::ErrorCode;
 
 typedef std::array<float, 3> Vertex;
 
 // Vertices of the parts of a geometry at a time, as Embree's library reports them.
-std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry, float time)
-{
+std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry, float time) {
   std::vector<std::vector<Vertex>> parts;
-  rtcForEachCompressedPart(geometry, time, [](void* user, const RTCCompressedPart* part) {
-    std::vector<Vertex> vertices;
-    for (size_t i = 0; i < size_t(part->width)*part->height; i++)
-      vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
-    ((std::vector<std::vector<Vertex>>*)user)->push_back(vertices);
-    return true;
-  }, &parts);
+  rtcForEachCompressedPart(
+      geometry, time,
+      [](void* user, const RTCCompressedPart* part) {
+        std::vector<Vertex> vertices;
+        for (size_t i = 0; i < size_t(part->width) * part->height; i++)
+          vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
+        ((std::vector<std::vector<Vertex>>*)user)->push_back(vertices);
+        return true;
+      },
+      &parts);
   return parts;
 }
 
 // Compares bits, because raw blocks contain NaN.
 bool isSame(const std::vector<Vertex>& vertices, const cvert::DecodedBlock& decoded) {
-  return std::memcmp(vertices.data(), decoded.vertices, vertices.size()*sizeof(Vertex)) == 0;
+  return std::memcmp(vertices.data(), decoded.vertices, vertices.size() * sizeof(Vertex)) == 0;
 }
 
 // Embree's parts come from the same scalar decoder; tests/isa compares it with the decoders for traversal.
-TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
-{
+TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces) {
   Folder folder;
   size_t numBlocks = 0;
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     Device device;
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"one").c_str())) << device.message;
-    const cvert::File file(folder/"one");
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "one").c_str())) << device.message;
+    const cvert::File file(folder / "one");
     ASSERT_EQ(file.size(), 1u);
     EXPECT_NO_THROW(file.verify());
     std::vector<const cvert::VertHeader*> blocks;
     bool hasFramed = false;
     std::vector<const cvert::MeshHeader*> meshes;
-    const cvert::Reason reason = cvert::forEachBlock(
-      file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
-        if (type == cvert::FILE_FRAMED)
-          hasFramed = true;
-        else if (cvert::isMesh(type))
-          meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
-        else
-          blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
-      });
+    const cvert::Reason reason =
+        cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
+          if (type == cvert::FILE_FRAMED) hasFramed = true;
+          else if (cvert::isMesh(type)) meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
+          else blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
+        });
     EXPECT_EQ(reason.message(), "");
     if (!hasFramed) {
       EXPECT_EQ(blocks.size() + meshes.size(), file.geometry(0).numBlocks);
@@ -95,7 +92,7 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
         const auto decoded = std::make_unique<cvert::DecodedBlock>(block);
         size_t i = 0;
         while (i < parts.size() &&
-               (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1)*(decoded->quadsY + 1) ||
+               (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1) * (decoded->quadsY + 1) ||
                 !isSame(parts[i], *decoded)))
           i++;
         ASSERT_LT(i, parts.size()) << "Embree has no such block";
@@ -109,14 +106,12 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
 }
 
 // A sheet over [0,32] x [0,32] with 2 x 2 blocks of 16 x 16 quads.
-struct Sheet
-{
+struct Sheet {
   static const unsigned quads = 32;
   std::vector<std::vector<uint64_t>> blocks;
   cvert::FileSurface surface;
 
-  explicit Sheet(unsigned numSteps)
-  {
+  explicit Sheet(unsigned numSteps) {
     surface.record.form = numSteps > 1 ? cvert::FILE_MOVING : cvert::FILE_LIST;
     surface.record.source = cvert::FILE_GRIDS;
     surface.record.compression = cvert::FILE_COMPRESSION_VERT;
@@ -127,22 +122,20 @@ struct Sheet
       for (unsigned x = 0; x < quads; x += 16) add(x, y, numSteps);
   }
 
-  static float heightAt(unsigned x, unsigned y, unsigned step) { return float((x*x + 3*y) % 7)/8 + float(step); }
+  static float heightAt(unsigned x, unsigned y, unsigned step) { return float((x * x + 3 * y) % 7) / 8 + float(step); }
 
 private:
-  static void fill(float (*vertices)[3], unsigned x, unsigned y, unsigned step)
-  {
-    for (unsigned v = 0; v < 17*17; v++) {
+  static void fill(float (*vertices)[3], unsigned x, unsigned y, unsigned step) {
+    for (unsigned v = 0; v < 17 * 17; v++) {
       vertices[v][0] = float(x + v % 17);
-      vertices[v][1] = float(y + v/17);
-      vertices[v][2] = heightAt(x + v % 17, y + v/17, step);
+      vertices[v][1] = float(y + v / 17);
+      vertices[v][2] = heightAt(x + v % 17, y + v / 17, step);
     }
   }
 
-  void add(unsigned x, unsigned y, unsigned numSteps)
-  {
+  void add(unsigned x, unsigned y, unsigned numSteps) {
     const cvert::VertPlacement place(cvert::packRegion(16, 16, x, y), cvert::packPatchQuads(quads, quads));
-    blocks.emplace_back(cvert::MotionEncoder::maxBytes(numSteps)/8 + 1);
+    blocks.emplace_back(cvert::MotionEncoder::maxBytes(numSteps) / 8 + 1);
     uint8_t* const data = (uint8_t*)blocks.back().data();
     size_t bytes;
     if (numSteps > 1) {
@@ -154,8 +147,7 @@ private:
       }
       cvert::MotionStatistics statistics;
       bytes = encoder->finish(statistics);
-    }
-    else {
+    } else {
       const auto encoder = std::make_unique<cvert::VertEncoder>();
       fill(encoder->vertices, x, y, 0);
       cvert::VertStatistics statistics;
@@ -165,12 +157,11 @@ private:
   }
 };
 
-TEST(CodecLibrary, WritesFilesThatEmbreeTraces)
-{
+TEST(CodecLibrary, WritesFilesThatEmbreeTraces) {
   Folder folder;
   for (unsigned numSteps : {1u, 3u}) {
     SCOPED_TRACE(numSteps);
-    const std::string path = folder/"sheet";
+    const std::string path = folder / "sheet";
     {
       Sheet sheet(numSteps);
       cvert::FileWriter writer(path);
@@ -188,88 +179,90 @@ TEST(CodecLibrary, WritesFilesThatEmbreeTraces)
       for (unsigned x = 0; x < Sheet::quads; x += 3)
         for (unsigned step = 0; step < numSteps; step++) {
           RTCRayHit ray = makeRay({float(x), float(y), 10}, {0, 0, -1});
-          ray.ray.time = numSteps > 1 ? float(step)/float(numSteps - 1) : 0;
+          ray.ray.time = numSteps > 1 ? float(step) / float(numSteps - 1) : 0;
           const RTCRayHit r = intersect(scene, ray);
           ASSERT_TRUE(isHit(r)) << x << ", " << y;
           EXPECT_NEAR(10 - r.ray.tfar, Sheet::heightAt(x, y, step), 1e-5) << x << ", " << y << ", step " << step;
           EXPECT_EQ(r.hit.primID, 0u);
-          EXPECT_NEAR(r.hit.u, float(x)/Sheet::quads, 1e-6);
-          EXPECT_NEAR(r.hit.v, float(y)/Sheet::quads, 1e-6);
+          EXPECT_NEAR(r.hit.u, float(x) / Sheet::quads, 1e-6);
+          EXPECT_NEAR(r.hit.v, float(y) / Sheet::quads, 1e-6);
         }
     rtcReleaseCompressedFile(file);
     EXPECT_EQ(device.errors, 0u) << device.message;
   }
 }
 
-ErrorCode codeOf(const std::function<void()>& call)
-{
-  try { call(); }
-  catch (const cvert::Error& error) { EXPECT_STRNE(error.what(), ""); return error.code; }
+ErrorCode codeOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const cvert::Error& error) {
+    EXPECT_STRNE(error.what(), "");
+    return error.code;
+  }
   return ErrorCode::NONE;
 }
 
-TEST(CodecLibrary, ReportsErrors)
-{
+TEST(CodecLibrary, ReportsErrors) {
   Folder folder;
-  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"none"); }), ErrorCode::INVALID_ARGUMENT);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder / "none"); }), ErrorCode::INVALID_ARGUMENT);
   EXPECT_EQ(codeOf([&] { cvert::File file(folder.path); }), ErrorCode::INVALID_ARGUMENT);
-  EXPECT_EQ(codeOf([&] { cvert::FileWriter writer(folder/"no/folder"); }), ErrorCode::INVALID_ARGUMENT);
+  EXPECT_EQ(codeOf([&] { cvert::FileWriter writer(folder / "no/folder"); }), ErrorCode::INVALID_ARGUMENT);
   {
-    cvert::FileWriter writer(folder/"empty");
+    cvert::FileWriter writer(folder / "empty");
     EXPECT_EQ(codeOf([&] { writer.commit(); }), ErrorCode::INVALID_OPERATION) << "without a geometry";
     EXPECT_EQ(codeOf([&] { writer.requireOpen(); }), ErrorCode::NONE) << "geometries can still be added";
   }
   Sheet sheet(1);
   {
-    cvert::FileWriter writer(folder/"sheet");
+    cvert::FileWriter writer(folder / "sheet");
     writer.add(sheet.surface);
     writer.commit();
     EXPECT_EQ(codeOf([&] { writer.add(sheet.surface); }), ErrorCode::INVALID_OPERATION) << "after a commit";
   }
-  const std::string sound = bytesOf(folder/"sheet");
+  const std::string sound = bytesOf(folder / "sheet");
   std::string newer = sound;
   newer[offsetof(cvert::FileHeader, version)] = char(cvert::fileVersion + 1);
-  writeBytes(folder/"newer", newer);
-  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"newer"); }), ErrorCode::UNSUPPORTED);
-  writeBytes(folder/"short", sound.substr(0, sound.size() - 1));
-  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"short"); }), ErrorCode::DAMAGED);
+  writeBytes(folder / "newer", newer);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder / "newer"); }), ErrorCode::UNSUPPORTED);
+  writeBytes(folder / "short", sound.substr(0, sound.size() - 1));
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder / "short"); }), ErrorCode::DAMAGED);
   std::string altered = sound;
-  altered[2*4096 + 100] ^= 1; // in a block; opening a file does not read blocks
-  writeBytes(folder/"altered", altered);
-  const cvert::File file(folder/"altered");
+  altered[2 * 4096 + 100] ^= 1; // in a block; opening a file does not read blocks
+  writeBytes(folder / "altered", altered);
+  const cvert::File file(folder / "altered");
   EXPECT_EQ(codeOf([&] { file.verify(); }), ErrorCode::DAMAGED);
   FileBytes reserved(sound);
   reserved.record(0).reserved[1] = 1;
   reserved.fitChecksums();
-  writeBytes(folder/"reserved", reserved.bytes);
-  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"reserved"); }), ErrorCode::UNSUPPORTED);
+  writeBytes(folder / "reserved", reserved.bytes);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder / "reserved"); }), ErrorCode::UNSUPPORTED);
   FileBytes unknown(sound);
   cvert::FileGeometry& record = unknown.record(0);
   ((cvert::VertHeader*)&unknown.bytes[record.blocks])->corners[4] ^= 1u << 15;
   record.blocksChecksum = crc32c(&unknown.bytes[record.blocks], record.blockBytes);
   unknown.fitChecksums();
-  writeBytes(folder/"unknown", unknown.bytes);
-  EXPECT_EQ(codeOf([&] { cvert::File(folder/"unknown").verify(); }), ErrorCode::UNSUPPORTED);
+  writeBytes(folder / "unknown", unknown.bytes);
+  EXPECT_EQ(codeOf([&] { cvert::File(folder / "unknown").verify(); }), ErrorCode::UNSUPPORTED);
   {
     Sheet moving(2);
-    cvert::FileWriter writer(folder/"two");
+    cvert::FileWriter writer(folder / "two");
     writer.add(moving.surface);
     writer.add(moving.surface);
     writer.commit();
   }
-  const std::string ofTwo = bytesOf(folder/"two");
+  const std::string ofTwo = bytesOf(folder / "two");
   FileBytes two(ofTwo);
   two.record(1).surface = two.record(0).surface;
   two.fitChecksums();
-  writeBytes(folder/"two", two.bytes);
-  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"two"); }), ErrorCode::DAMAGED);
+  writeBytes(folder / "two", two.bytes);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder / "two"); }), ErrorCode::DAMAGED);
   const auto codeWithBlocks = [&](size_t i, uint64_t blocks, uint64_t blockBytes) {
     FileBytes other(ofTwo);
     other.record(i).blocks = blocks;
     other.record(i).blockBytes = blockBytes;
     other.fitChecksums();
-    writeBytes(folder/"two", other.bytes);
-    return codeOf([&] { cvert::File file(folder/"two"); });
+    writeBytes(folder / "two", other.bytes);
+    return codeOf([&] { cvert::File file(folder / "two"); });
   };
   const cvert::FileGeometry first = two.record(0), second = two.record(1);
   EXPECT_EQ(codeWithBlocks(1, second.blocks, second.blockBytes), ErrorCode::NONE);
@@ -283,7 +276,7 @@ TEST(CodecLibrary, ReportsErrors)
   // blocks
   std::vector<uint64_t> block = sheet.blocks[0];
   cvert::VertHeader* const header = (cvert::VertHeader*)block.data();
-  const size_t bytes = 8*block.size();
+  const size_t bytes = 8 * block.size();
   EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::NONE);
   EXPECT_EQ(cvert::validateVert(header, 63).code, ErrorCode::DAMAGED);
   EXPECT_TRUE(containsInOrder(cvert::validateVert(header, 63).message(), {"63 bytes", "64"}));
@@ -293,12 +286,11 @@ TEST(CodecLibrary, ReportsErrors)
   EXPECT_EQ(codeOf([&] { sheet.surface.appendToList(header, uint32_t(bytes)); }), ErrorCode::UNSUPPORTED);
   cvert::FileSurface hasTree;
   EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT)
-    << "the surface is a tree";
+      << "the surface is a tree";
 }
 
 // Trees of scenes have no part for it: its empty box has no center.
-TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene)
-{
+TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene) {
   Folder folder;
   Sheet sheet(1); // four blocks, which one node contains
   const auto statisticsWith = [&](cvert::FileForm form) {
@@ -310,12 +302,12 @@ TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene)
       empty.record.lower[k] = INFINITY;
       empty.record.upper[k] = -INFINITY;
     }
-    cvert::FileWriter writer(folder/"two");
+    cvert::FileWriter writer(folder / "two");
     writer.add(sheet.surface);
     writer.add(empty);
     writer.commit();
     Device device;
-    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"two").c_str());
+    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "two").c_str());
     EXPECT_TRUE(file) << device.message;
     Scene scene(device);
     for (unsigned i = 0; i < 2; i++) attach(scene, rtcNewGeometryFromCompressedFile(file, i));
@@ -328,14 +320,13 @@ TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene)
   EXPECT_EQ(statisticsWith(cvert::FILE_TREE).topLevelBytes, statisticsWith(cvert::FILE_LIST).topLevelBytes);
 }
 
-TEST(CodecLibrary, TreeWithoutNodesIsRejected)
-{
+TEST(CodecLibrary, TreeWithoutNodesIsRejected) {
   Folder folder;
   cvert::FileSurface surface;
   surface.record = Sheet(1).surface.record;
   surface.record.form = cvert::FILE_TREE;
   try {
-    cvert::FileWriter(folder/"tree").add(surface);
+    cvert::FileWriter(folder / "tree").add(surface);
     FAIL() << "no error";
   } catch (const cvert::Error& error) {
     EXPECT_EQ(error.code, ErrorCode::INVALID_OPERATION);
@@ -344,17 +335,16 @@ TEST(CodecLibrary, TreeWithoutNodesIsRejected)
 }
 
 // The block is valid, and builders of trees need its box.
-TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
-{
+TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit) {
   const unsigned side = 17, numSteps = 2;
   const cvert::VertPlacement place(cvert::packRegion(16, 16, 0, 0), cvert::packPatchQuads(16, 16));
-  std::vector<uint64_t> block(cvert::MotionEncoder::maxBytes(numSteps)/8 + 1);
+  std::vector<uint64_t> block(cvert::MotionEncoder::maxBytes(numSteps) / 8 + 1);
   const auto encoder = std::make_unique<cvert::MotionEncoder>();
   encoder->begin(place, 0, 1, numSteps, (uint8_t*)block.data());
   for (unsigned step = 0; step < numSteps; step++) {
-    for (unsigned v = 0; v < side*side; v++) {
+    for (unsigned v = 0; v < side * side; v++) {
       encoder->vertices()[v][0] = float(v % side);
-      encoder->vertices()[v][1] = float(v/side);
+      encoder->vertices()[v][1] = float(v / side);
       encoder->vertices()[v][2] = v == 0 ? NAN : float(step); // NaN: the step is stored as floats
     }
     encoder->addStep();
@@ -370,7 +360,7 @@ TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
   surface.record.end = 1;
   surface.appendToList(block.data(), bytes);
   Folder folder;
-  const std::string path = folder/"sheet";
+  const std::string path = folder / "sheet";
   {
     cvert::FileWriter writer(path);
     writer.add(surface);
@@ -383,7 +373,7 @@ TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
       const cvert::StepView view = cvert::viewOfStep(header, layout, step);
       ASSERT_TRUE(cvert::isRaw(view.info));
       const size_t offset = size_t(view.data - (const uint8_t*)data) + view.vertices;
-      std::fill_n((float*)((uint8_t*)data + offset), 3*side*side, NAN);
+      std::fill_n((float*)((uint8_t*)data + offset), 3 * side * side, NAN);
     }
   };
   FileBytes file(bytesOf(path));
@@ -401,13 +391,12 @@ TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
   EXPECT_GT(bounds.lower_x, -1);
   EXPECT_LT(bounds.upper_x, 1) << "the block's origin";
   for (unsigned i = 0; i < 256; i++) {
-    RTCRayHit ray = makeRay({float(i % 16) + 0.3f, float(i/16) + 0.4f, 10}, {0, 0, -1});
-    ray.ray.time = float(i)/255;
+    RTCRayHit ray = makeRay({float(i % 16) + 0.3f, float(i / 16) + 0.4f, 10}, {0, 0, -1});
+    ray.ray.time = float(i) / 255;
     EXPECT_FALSE(isHit(intersect(scene, ray)));
   }
   removeVertices(block.data());
   EXPECT_EQ(codeOf([&] { surface.appendToList(block.data(), bytes); }), ErrorCode::INVALID_ARGUMENT);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

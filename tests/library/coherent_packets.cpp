@@ -13,23 +13,20 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr unsigned N = 8;
-constexpr unsigned words = sizeof(RTCRayHit8)/4/N;
+constexpr unsigned words = sizeof(RTCRayHit8) / 4 / N;
 
-struct Traced
-{
+struct Traced {
   RTCRayHit hit;
   bool occluded;
 };
 
 // Traces packets of 8. Inactive lanes contain `garbage` in every word and are not part of the result.
 std::map<size_t, Traced> inPackets(
-  RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
-  const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0)
-{
+    RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
+    const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0) {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   std::map<size_t, Traced> traced;
   for (size_t first = 0; first + N <= rays.size(); first += N) {
@@ -40,7 +37,7 @@ std::map<size_t, Traced> inPackets(
       for (unsigned k = 0; k < N; k++) {
         valid[k] = isOn(first + k) ? -1 : 0;
         for (unsigned w = 0; w < words; w++)
-          std::memcpy(&lanes[w*N + k], valid[k] ? (const float*)&rays[first + k] + w : &garbage, 4);
+          std::memcpy(&lanes[w * N + k], valid[k] ? (const float*)&rays[first + k] + w : &garbage, 4);
       }
     };
     pack();
@@ -48,7 +45,7 @@ std::map<size_t, Traced> inPackets(
     for (unsigned k = 0; k < N; k++) {
       if (!valid[k]) continue;
       traced[first + k].hit = rays[first + k];
-      for (unsigned w = 0; w < words; w++) std::memcpy((float*)&traced[first + k].hit + w, &lanes[w*N + k], 4);
+      for (unsigned w = 0; w < words; w++) std::memcpy((float*)&traced[first + k].hit + w, &lanes[w * N + k], 4);
     }
     pack();
     rtcOccluded8(valid, scene, &context, &packet.ray);
@@ -58,33 +55,29 @@ std::map<size_t, Traced> inPackets(
   return traced;
 }
 
-std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>& rays)
-{
+std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>& rays) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   return inPackets(scene, rays, context);
 }
 
 // Rays of a picture, row by row, from a short distance.
-std::vector<RTCRayHit> pictureRays(unsigned side)
-{
+std::vector<RTCRayHit> pictureRays(unsigned side) {
   std::vector<RTCRayHit> rays;
-  for (unsigned i = 0; i < side*side; i++) {
-    const float x = 0.8f*float(i % side)/float(side) - 0.4f, y = 0.8f*float(i / side)/float(side) - 0.4f;
+  for (unsigned i = 0; i < side * side; i++) {
+    const float x = 0.8f * float(i % side) / float(side) - 0.4f, y = 0.8f * float(i / side) / float(side) - 0.4f;
     rays.push_back(makeRay({0.1f, 0.2f, 4}, {x, y, -4}));
     rays.back().ray.id = i;
   }
   return rays;
 }
 
-class CoherentPackets : public testing::TestWithParam<RTCCompression>
-{
+class CoherentPackets : public testing::TestWithParam<RTCCompression> {
 protected:
   Device device;
   Displacement displacement;
 
-  SurfaceSettings settings()
-  {
+  SurfaceSettings settings() {
     SurfaceSettings s;
     s.displacement = &displacement;
     s.compression = GetParam();
@@ -97,11 +90,11 @@ protected:
 };
 
 INSTANTIATE_TEST_SUITE_P(Compression, CoherentPackets,
-  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT),
-  [](const auto& info) { return kindName(info.param); });
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                         RTC_COMPRESSION_CVERT),
+                         [](const auto& info) { return kindName(info.param); });
 
-void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::map<size_t, Traced>& found)
-{
+void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::map<size_t, Traced>& found) {
   for (const auto& [i, traced] : found) {
     const RTCRayHit expected = intersect(scene, rays[i]);
     ASSERT_EQ(traced.hit.ray.tfar, expected.ray.tfar) << "ray " << i;
@@ -112,8 +105,7 @@ void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, 
   }
 }
 
-TEST_P(CoherentPackets, InactiveLanesAreIgnored)
-{
+TEST_P(CoherentPackets, InactiveLanesAreIgnored) {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   rtcCommitScene(scene);
@@ -123,14 +115,12 @@ TEST_P(CoherentPackets, InactiveLanesAreIgnored)
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     expectHitsOfSingleRays(scene, rays,
-                           inPackets(
-                             scene, rays, context, [](size_t i) { return i % N != i/N % N; }, garbage));
+                           inPackets(scene, rays, context, [](size_t i) { return i % N != i / N % N; }, garbage));
     ASSERT_FALSE(HasFatalFailure()) << "lanes hold " << garbage;
   }
 }
 
-TEST_P(CoherentPackets, RaysThatStartOnTheSurfaceMatchSingleRays)
-{
+TEST_P(CoherentPackets, RaysThatStartOnTheSurfaceMatchSingleRays) {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   rtcCommitScene(scene);
@@ -141,14 +131,13 @@ TEST_P(CoherentPackets, RaysThatStartOnTheSurfaceMatchSingleRays)
     if (!isHit(hit)) continue;
     const float nudge = float(random.uniform(-0.002, 0.002));
     if (random.chance(0.8)) ray.ray.tnear = hit.ray.tfar + nudge;
-    else                    ray.ray.tfar = hit.ray.tfar + nudge;
+    else ray.ray.tfar = hit.ray.tfar + nudge;
   }
   expectHitsOfSingleRays(scene, rays, inPackets(scene, rays));
 }
 
 // Any-hit rays with a negative tfar count as occluded, as in Embree, even if tnear is less.
-TEST_P(CoherentPackets, AnyHitRaysThatEndBeforeTheirOriginAreUnchanged)
-{
+TEST_P(CoherentPackets, AnyHitRaysThatEndBeforeTheirOriginAreUnchanged) {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   rtcCommitScene(scene);
@@ -162,9 +151,12 @@ TEST_P(CoherentPackets, AnyHitRaysThatEndBeforeTheirOriginAreUnchanged)
     alignas(64) int valid[N];
     for (unsigned k = 0; k < N; k++) {
       const RTCRay& ray = rays[first + k].ray; // the surface is between the origin and twice the direction
-      packet.org_x[k] = ray.org_x + 2*ray.dir_x; packet.dir_x[k] = ray.dir_x;
-      packet.org_y[k] = ray.org_y + 2*ray.dir_y; packet.dir_y[k] = ray.dir_y;
-      packet.org_z[k] = ray.org_z + 2*ray.dir_z; packet.dir_z[k] = ray.dir_z;
+      packet.org_x[k] = ray.org_x + 2 * ray.dir_x;
+      packet.dir_x[k] = ray.dir_x;
+      packet.org_y[k] = ray.org_y + 2 * ray.dir_y;
+      packet.dir_y[k] = ray.dir_y;
+      packet.org_z[k] = ray.org_z + 2 * ray.dir_z;
+      packet.dir_z[k] = ray.dir_z;
       packet.tnear[k] = -2;
       packet.tfar[k] = -0.001f;
       packet.mask[k] = ~0u;
@@ -179,22 +171,22 @@ TEST_P(CoherentPackets, AnyHitRaysThatEndBeforeTheirOriginAreUnchanged)
 
 // --- filters -------------------------------------------------------------------------------------
 
-struct SeenHit { float t, u, v; unsigned primID; };
+struct SeenHit {
+  float t, u, v;
+  unsigned primID;
+};
 
-struct PacketFilter
-{
+struct PacketFilter {
   RTCIntersectContext context; // must be the first member
   std::function<bool(const SeenHit&)> accepts;
   std::map<unsigned, std::vector<SeenHit>> seen; // by ray
 
-  explicit PacketFilter(const std::function<bool(const SeenHit&)>& accepts) : accepts(accepts)
-  {
+  explicit PacketFilter(const std::function<bool(const SeenHit&)>& accepts) : accepts(accepts) {
     rtcInitIntersectContext(&context);
   }
 };
 
-void filter(const RTCFilterFunctionNArguments* args)
-{
+void filter(const RTCFilterFunctionNArguments* args) {
   PacketFilter& self = *(PacketFilter*)args->context;
   for (unsigned k = 0; k < args->N; k++) {
     if (args->valid[k] != -1) continue;
@@ -205,10 +197,9 @@ void filter(const RTCFilterFunctionNArguments* args)
   }
 }
 
-bool isOnDarkSquare(const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; }
+bool isOnDarkSquare(const SeenHit& s) { return (int(s.u * 5.3f + 0.37f) + int(s.v * 5.3f + 0.37f)) % 2 == 0; }
 
-TEST_P(CoherentPackets, NearestAcceptedHitIsReported)
-{
+TEST_P(CoherentPackets, NearestAcceptedHitIsReported) {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
   const std::vector<RTCRayHit> rays = pictureRays(64);
@@ -229,8 +220,7 @@ TEST_P(CoherentPackets, NearestAcceptedHitIsReported)
   EXPECT_GT(past, 100u) << "the filter rejected no first hit";
 }
 
-TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit)
-{
+TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit) {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
   const std::vector<RTCRayHit> rays = pictureRays(64);
@@ -241,16 +231,15 @@ TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit)
     alignas(64) int valid[N];
     std::fill_n(valid, N, -1);
     for (unsigned k = 0; k < N; k++)
-      for (unsigned w = 0; w < sizeof(packet)/4/N; w++)
-        std::memcpy((float*)&packet + w*N + k, (const float*)&rays[first + k] + w, 4);
+      for (unsigned w = 0; w < sizeof(packet) / 4 / N; w++)
+        std::memcpy((float*)&packet + w * N + k, (const float*)&rays[first + k] + w, 4);
     rtcOccluded8(valid, scene, &all.context, &packet);
   }
   EXPECT_GT(all.seen.size(), 1000u);
   for (const auto& [id, hits] : all.seen) ASSERT_EQ(hits.size(), 1u) << "ray " << id;
 }
 
-TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays)
-{
+TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays) {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
   const std::vector<RTCRayHit> rays = pictureRays(64);
@@ -273,8 +262,7 @@ TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays)
 }
 
 // The filter function evicts the thread's cached blocks by tracing other rays.
-TEST_P(CoherentPackets, FilterMayTraceRays)
-{
+TEST_P(CoherentPackets, FilterMayTraceRays) {
   Scene scene(device);
   SurfaceSettings of = settings();
   of.rate = 64;
@@ -282,8 +270,8 @@ TEST_P(CoherentPackets, FilterMayTraceRays)
   Random random(82);
   std::vector<RTCRayHit> others = raysAt(random, 100);
   std::vector<RTCRayHit> rays = pictureRays(64);
-  rays.erase(rays.begin(), rays.begin() + 64*20);
-  rays.resize(64*3);
+  rays.erase(rays.begin(), rays.begin() + 64 * 20);
+  rays.resize(64 * 3);
   PacketFilter plain(isOnDarkSquare);
   PacketFilter busy([&](const SeenHit& s) {
     for (const RTCRayHit& other : others) {
@@ -314,8 +302,7 @@ TEST_P(CoherentPackets, FilterMayTraceRays)
 // --- faces that GRID traces ----------------------------------------------------------------------
 
 // Packets test GRID's triangles differently: one ray in 1000 may hit the other side of an edge.
-TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays)
-{
+TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays) {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   Displacement aside;
@@ -336,8 +323,7 @@ TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays)
   }
   EXPECT_GT(hits[0], 1000u);
   EXPECT_GT(hits[1], 1000u);
-  EXPECT_LE(others, rays.size()/1000);
+  EXPECT_LE(others, rays.size() / 1000);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

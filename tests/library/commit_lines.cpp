@@ -14,11 +14,9 @@
 #include <memory>
 #include <sstream>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-std::string commitTextOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
-{
+std::string commitTextOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   {
@@ -30,20 +28,18 @@ std::string commitTextOf(const std::string& config, const std::function<void(RTC
   }
   const std::string text = testing::internal::GetCapturedStderr();
   EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos)
-    << "programs write pictures there";
+      << "programs write pictures there";
   return text;
 }
 
-std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
-{
+std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add) {
   const std::string text = commitTextOf(config, add);
   const size_t begin = text.rfind("compression: "); // the commit of the scene comes last
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
 
 // Every type of geometry, static and moving, and static ones in Embree's narrower trees of SSE2.
-TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
-{
+TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType) {
   Random random(1);
   const std::pair<unsigned, const char*> cases[] = {{1, ""}, {1, "isa=sse2"}, {2, ""}, {3, ""}, {5, ""}};
   for (const auto& testCase : cases) {
@@ -52,25 +48,26 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
     Diced grids = dicedSheet(4, 64);
     DicedMesh quads = meshOf(grids, QuadOrder::Rows, random), triangles = trianglesOf(quads);
     grids.motion = quads.motion = triangles.motion = [](const Vec& p, unsigned step) {
-      return Vec{p[0], p[1], p[2] + 0.1f*float(step)*p[0]};
+      return Vec{p[0], p[1], p[2] + 0.1f * float(step) * p[0]};
     };
     SurfaceSettings settings;
     settings.rate = 64;
     settings.timeSteps = timeSteps;
     const std::pair<const char*, std::function<RTCGeometry(RTCDevice)>> types[] = {
-      {"1 subdivision surface as cVERT: ", [&](RTCDevice device) { return newSurface(device, cubeCage(), settings); }},
-      {"1 grid geometry as cVERT: ",
-       [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-      {"1 quad mesh as cVERT: ",
-       [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-      {"1 triangle mesh as cVERT: ",
-       [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
+        {"1 subdivision surface as cVERT: ",
+         [&](RTCDevice device) { return newSurface(device, cubeCage(), settings); }},
+        {"1 grid geometry as cVERT: ",
+         [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
+        {"1 quad mesh as cVERT: ",
+         [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
+        {"1 triangle mesh as cVERT: ",
+         [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
     for (const auto& type : types) {
       const auto& name = type.first;
       const auto& make = type.second;
       SCOPED_TRACE(testing::Message() << name << timeSteps << " time steps " << isa);
-      const std::string line = commitLineOf(isa,
-        [&](RTCDevice device, RTCScene scene) { attach(scene, make(device)); });
+      const std::string line =
+          commitLineOf(isa, [&](RTCDevice device, RTCScene scene) { attach(scene, make(device)); });
       EXPECT_NE(line.find(name), std::string::npos) << line;
       EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
       const size_t at = line.find("Embree would use about "), input = line.find("buffers that stay: ");
@@ -83,19 +80,18 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
       attach(scene, make(device));
       const ssize_t before = memory.live;
       rtcCommitScene(scene);
-      const double estimate = std::stod(line.substr(at + 23)), taken = double(memory.live - before)/(1 << 20);
-      EXPECT_GT(estimate, 0.65*taken) << line;
-      EXPECT_LT(estimate, 1.35*taken) << line;
-      EXPECT_NEAR(std::stod(line.substr(input + 19)), double(before)/(1 << 20),
-                  0.05*double(before)/(1 << 20) + 0.02)
-        << line;
+      const double estimate = std::stod(line.substr(at + 23)), taken = double(memory.live - before) / (1 << 20);
+      EXPECT_GT(estimate, 0.65 * taken) << line;
+      EXPECT_LT(estimate, 1.35 * taken) << line;
+      EXPECT_NEAR(std::stod(line.substr(input + 19)), double(before) / (1 << 20),
+                  0.05 * double(before) / (1 << 20) + 0.02)
+          << line;
     }
   }
 }
 
 // Their halves would need numbers of 33 bits. All quads have the same indices, because the stride is 0.
-TEST(CommitLine, TooManyQuadsAreNotCompressed)
-{
+TEST(CommitLine, TooManyQuadsAreNotCompressed) {
   const std::string text = commitTextOf("", [](RTCDevice device, RTCScene) {
     const float vertices[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0, 0};
     const unsigned indices[] = {0, 1, 2, 3};
@@ -110,14 +106,13 @@ TEST(CommitLine, TooManyQuadsAreNotCompressed)
   EXPECT_TRUE(containsInOrder(text, {"not compressed", "2147483649 quads", "2147483648"}));
 }
 
-TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
-{
+TEST(CommitLine, ListsUncompressedGeometriesAndReasons) {
   const std::string line = commitLineOf("", [](RTCDevice device, RTCScene scene) {
     Random random(1);
     DicedMesh scan;
     for (unsigned i = 0; i < 102; i++) {
       scan.vertices.push_back(
-        {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+          {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
       if (i >= 2) scan.triangles.push_back({random.below(i), random.below(i), i});
     }
     attach(scene, newMesh(device, scan, RTC_COMPRESSION_INHERIT, 0, 2));
@@ -134,8 +129,7 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
 }
 
 // Static and moving surfaces have a line each. If there is only one line, it lists the uncompressed geometries of both.
-TEST(CommitLine, ListsEachUncompressedGeometryOnce)
-{
+TEST(CommitLine, ListsEachUncompressedGeometryOnce) {
   Random random(1);
   const DicedMesh fixed = meshOf(dicedSheet(1, 8), QuadOrder::Rows, random),
                   moving = meshOf(dicedSheet(1, 4), QuadOrder::Rows, random);
@@ -164,14 +158,11 @@ TEST(CommitLine, ListsEachUncompressedGeometryOnce)
     ASSERT_EQ(linesOfFixed.size(), each);
     ASSERT_EQ(linesOfMoving.size(), each);
     ASSERT_EQ(linesOfBoth.size(), 1 - each);
-    if (each) {
-      EXPECT_NE(linesOfFixed, linesOfMoving) << "the line of its own sort lists a geometry";
-    }
+    if (each) { EXPECT_NE(linesOfFixed, linesOfMoving) << "the line of its own sort lists a geometry"; }
   }
 }
 
-TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
-{
+TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid) {
   const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings,
                          const Cage& cage = cubeCage()) {
     std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
@@ -183,7 +174,7 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
     }
     const std::string text = testing::internal::GetCapturedStderr();
     EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos)
-      << "programs write pictures there";
+        << "programs write pictures there";
     const size_t begin = text.find("compression: 1 subdivision surface");
     return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
   };
@@ -203,9 +194,9 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
     rtcCommitScene(scene);
     const size_t at = line.find("about ");
     ASSERT_NE(at, std::string::npos) << line;
-    const double mebibytes = std::stod(line.substr(at + 6)), taken = double(memory.live - input)/(1 << 20);
-    EXPECT_GT(mebibytes, 0.85*taken);
-    EXPECT_LT(mebibytes, 1.1*taken);
+    const double mebibytes = std::stod(line.substr(at + 6)), taken = double(memory.live - input) / (1 << 20);
+    EXPECT_GT(mebibytes, 0.85 * taken);
+    EXPECT_LT(mebibytes, 1.1 * taken);
   }
   EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"),
             std::string::npos);
@@ -228,14 +219,13 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
 }
 
 // At all time steps.
-TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
-{
+TEST(CommitLine, ReportsTheLargestMovementOfAVertex) {
   Random random(3);
   for (const char* config : {"cbvh_max_error=0.0015", "cbvh_max_error=0.01", "cbvh_max_error=0"})
     for (unsigned timeSteps : {1u, 3u}) {
       SCOPED_TRACE(testing::Message() << config << ", " << timeSteps << " time steps");
       DicedMesh mesh = jittered(meshOf(dicedSheet(2, 64), QuadOrder::Rows, random), random, 0.001);
-      mesh.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.3f*float(step)*p[0]}; };
+      mesh.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.3f * float(step) * p[0]}; };
       const auto add = [&](RTCDevice device, RTCScene scene) {
         attach(scene, newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, timeSteps));
       };
@@ -249,12 +239,11 @@ TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
       const double moved = statisticsOf(scene).maxVertexDeviation;
       EXPECT_EQ(moved > 0, std::string(config) != "cbvh_max_error=0");
       ASSERT_EQ(at != std::string::npos, moved > 0) << line;
-      if (moved > 0) { EXPECT_NEAR(std::stod(line.substr(at + 23)), moved, 0.005*moved) << line; }
+      if (moved > 0) { EXPECT_NEAR(std::stod(line.substr(at + 23)), moved, 0.005 * moved) << line; }
     }
 }
 
-TEST(InvalidQuads, AreReportedWithTheirReasons)
-{
+TEST(InvalidQuads, AreReportedWithTheirReasons) {
   Random random(3);
   DicedMesh mesh = meshOf(dicedSheet(1, 32), QuadOrder::Rows, random);
   mesh.quads[100][2] = unsigned(mesh.vertices.size());
@@ -274,36 +263,41 @@ TEST(InvalidQuads, AreReportedWithTheirReasons)
 }
 
 // At verbosity 0, in the line of the commit, and in the statistics.
-TEST(InvalidQuads, AreNamedByTheirFirstPrimitive)
-{
+TEST(InvalidQuads, AreNamedByTheirFirstPrimitive) {
   Random random(3);
   Diced grids = dicedSheet(4, 32);
   for (unsigned x : {7u, 9u}) grids.vertex(grids.grids[2], x, 5)[2] = INFINITY;
   DicedMesh quads = meshOf(dicedSheet(1, 32), QuadOrder::Rows, random), moving = quads;
   quads.quads[100][2] = unsigned(quads.vertices.size());
   quads.vertices[quads.quads[700][0]][0] = NAN;
-  moving.motion = [](const Vec& p, unsigned step) {
-    return step == 1 && p[0] == 0 && p[1] == 0 ? Vec{NAN, 0, 0} : p;
-  };
+  moving.motion = [](const Vec& p, unsigned step) { return step == 1 && p[0] == 0 && p[1] == 0 ? Vec{NAN, 0, 0} : p; };
   DicedMesh triangles = irregularTriangles(moving, random);
   triangles.vertices[triangles.triangles[33][1]][0] = NAN;
   Cage cage = sheetCage(8);
   cage.positions[31][2] = NAN;
   SurfaceSettings settings;
   settings.rate = 4;
-  struct Case { const char* name; std::function<RTCGeometry(RTCDevice)> make; unsigned first; };
+  struct Case {
+    const char* name;
+    std::function<RTCGeometry(RTCDevice)> make;
+    unsigned first;
+  };
   size_t firstTriangle = 0;
   const auto isAt = [&](size_t t) {
-    for (unsigned v : triangles.triangles[t]) if (std::isnan(triangles.vertices[v][0])) return true;
+    for (unsigned v : triangles.triangles[t])
+      if (std::isnan(triangles.vertices[v][0])) return true;
     return false;
   };
   while (!isAt(firstTriangle)) firstTriangle++;
-  const std::vector<Case> cases = {
-    {"face", [&](RTCDevice device) { return newSurface(device, cage, settings); }, 10},
-    {"grid", [&](RTCDevice device) { return newGrids(device, grids); }, 2},
-    {"quad", [&](RTCDevice device) { return newMesh(device, quads); }, 100},
-    {"triangle", [&](RTCDevice device) { triangles.motion = nullptr; return newMesh(device, triangles); },
-     unsigned(firstTriangle)}};
+  const std::vector<Case> cases = {{"face", [&](RTCDevice device) { return newSurface(device, cage, settings); }, 10},
+                                   {"grid", [&](RTCDevice device) { return newGrids(device, grids); }, 2},
+                                   {"quad", [&](RTCDevice device) { return newMesh(device, quads); }, 100},
+                                   {"triangle",
+                                    [&](RTCDevice device) {
+                                      triangles.motion = nullptr;
+                                      return newMesh(device, triangles);
+                                    },
+                                    unsigned(firstTriangle)}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     RTCCompressionStatistics statistics;
@@ -322,8 +316,7 @@ TEST(InvalidQuads, AreNamedByTheirFirstPrimitive)
 }
 
 // Input that has no effect is named once per change.
-TEST(IgnoredInput, IsNamed)
-{
+TEST(IgnoredInput, IsNamed) {
   Cage cage = sheetCage(4);
   cage.creases = {{0, 1}, {7, 13}, {3, 9}};
   cage.creaseWeights = {1, 2, NAN};
@@ -347,8 +340,7 @@ TEST(IgnoredInput, IsNamed)
 }
 
 // At verbosity 0, because users of a program do not learn otherwise why the cap of a cylinder is missing.
-TEST(UnsupportedFaces, ArePrintedOncePerChange)
-{
+TEST(UnsupportedFaces, ArePrintedOncePerChange) {
   testing::internal::CaptureStderr();
   {
     const Device device("");
@@ -366,8 +358,7 @@ TEST(UnsupportedFaces, ArePrintedOncePerChange)
 }
 
 // Also if lines about commits are off.
-TEST(CoarseLattice, IsReportedOnce)
-{
+TEST(CoarseLattice, IsReportedOnce) {
   Random random(2);
   const DicedMesh mesh = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random); // edges of 1/32
   const DicedMesh irregular = irregularTriangles(mesh, random);
@@ -386,8 +377,7 @@ TEST(CoarseLattice, IsReportedOnce)
 }
 
 // Mesh blocks have a finer lattice if the requested one would flip most triangles.
-TEST(CoarseLattice, IsTheOneOfTheMeshBlocks)
-{
+TEST(CoarseLattice, IsTheOneOfTheMeshBlocks) {
   Random random(2);
   const DicedMesh mesh = irregularTriangles(meshOf(dicedSheet(2, 32), QuadOrder::Rows, random), random);
   for (const char* error : {"0.05", "0.1", "0.5", "2"}) {
@@ -405,5 +395,4 @@ TEST(CoarseLattice, IsTheOneOfTheMeshBlocks)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -16,59 +16,53 @@
 #include <set>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-std::vector<RTCRayHit> timedRays(Random& random, unsigned count, bool moves)
-{
+std::vector<RTCRayHit> timedRays(Random& random, unsigned count, bool moves) {
   std::vector<RTCRayHit> rays = raysAt(random, count);
   for (RTCRayHit& ray : rays) ray.ray.time = moves ? float(random.uniform(0, 1)) : 0;
   return rays;
 }
 
 // Compares all members of rays and hits that the library writes.
-void expectSameToTheBit(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found)
-{
+void expectSameToTheBit(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found) {
   ASSERT_EQ(expected.size(), found.size());
   for (size_t i = 0; i < expected.size(); i++) {
     SCOPED_TRACE(testing::Message() << "ray " << i);
     const RTCRayHit &e = expected[i], &f = found[i];
     ASSERT_EQ(std::memcmp(&e.ray.tfar, &f.ray.tfar, sizeof(float)), 0);
     ASSERT_EQ(e.hit.geomID, f.hit.geomID);
-    if (isHit(e)) {
-      ASSERT_EQ(std::memcmp(&e.hit, &f.hit, offsetof(RTCHit, instID) + sizeof(e.hit.instID)), 0);
-    }
+    if (isHit(e)) { ASSERT_EQ(std::memcmp(&e.hit, &f.hit, offsetof(RTCHit, instID) + sizeof(e.hit.instID)), 0); }
   }
 }
 
 size_t hitsOf(const std::vector<RTCRayHit>& rays) { return size_t(std::count_if(rays.begin(), rays.end(), isHit)); }
 
-void expectSameStatistics(const RTCCompressionStatistics& a, const RTCCompressionStatistics& b, bool withTopLevel)
-{
+void expectSameStatistics(const RTCCompressionStatistics& a, const RTCCompressionStatistics& b, bool withTopLevel) {
   RTCCompressionStatistics c = a, d = b;
   if (!withTopLevel) c.topLevelBytes = d.topLevelBytes = 0;
   EXPECT_EQ(std::memcmp(&c, &d, sizeof(c)), 0);
 }
 
 // Vertices of all parts, sorted.
-std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time)
-{
+std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time) {
   std::vector<std::array<float, 3>> all;
-  rtcForEachCompressedPart(geometry, time, [](void* self, const RTCCompressedPart* part) {
-    for (unsigned i = 0; i < part->width*part->height; i++)
-      ((std::vector<std::array<float, 3>>*)self)
-        ->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
-    return true;
-  }, &all);
+  rtcForEachCompressedPart(
+      geometry, time,
+      [](void* self, const RTCCompressedPart* part) {
+        for (unsigned i = 0; i < part->width * part->height; i++)
+          ((std::vector<std::array<float, 3>>*)self)
+              ->push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
+        return true;
+      },
+      &all);
   std::sort(all.begin(), all.end());
   return all;
 }
 
-class OneGeometry : public Scene
-{
+class OneGeometry : public Scene {
 public:
-  OneGeometry(RTCDevice device, RTCGeometry geometry) : Scene(device), geometry(geometry)
-  {
+  OneGeometry(RTCDevice device, RTCGeometry geometry) : Scene(device), geometry(geometry) {
     if (!geometry) return;
     attach(*this, geometry);
     rtcCommitScene(*this);
@@ -76,8 +70,7 @@ public:
   RTCGeometry geometry;
 };
 
-TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
-{
+TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes) {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     Random random(33);
@@ -90,7 +83,7 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
     std::vector<std::array<float, 3>> vertices;
     {
       OneGeometry scene(device, saveable.make(device));
-      ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/"surface.cbvh").c_str())) << device.message;
+      ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder / "surface.cbvh").c_str())) << device.message;
       for (QueryForm form : allQueryForms) {
         expected.push_back(closestHits(scene, rays, form));
         occluded.push_back(QueryRun(scene, form, true)(rays));
@@ -98,9 +91,9 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
       statistics = statisticsOf(scene);
       rtcGetSceneBounds(scene, &bounds);
       if (saveable.hasTriangles) vertices = verticesOf(scene.geometry, 0.5f);
-      EXPECT_GT(hitsOf(expected[0]), rays.size()/8);
+      EXPECT_GT(hitsOf(expected[0]), rays.size() / 8);
     }
-    OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder/"surface.cbvh").c_str()));
+    OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder / "surface.cbvh").c_str()));
     ASSERT_NE(scene.geometry, nullptr) << device.message;
     for (size_t i = 0; i < expected.size(); i++) {
       SCOPED_TRACE(nameOf(allQueryForms[i]));
@@ -110,8 +103,8 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
     expectSameStatistics(statistics, statisticsOf(scene), true);
     RTCBounds loaded;
     rtcGetSceneBounds(scene, &loaded);
-    EXPECT_EQ(std::memcmp(&bounds.lower_x, &loaded.lower_x, 3*sizeof(float)), 0);
-    EXPECT_EQ(std::memcmp(&bounds.upper_x, &loaded.upper_x, 3*sizeof(float)), 0);
+    EXPECT_EQ(std::memcmp(&bounds.lower_x, &loaded.lower_x, 3 * sizeof(float)), 0);
+    EXPECT_EQ(std::memcmp(&bounds.upper_x, &loaded.upper_x, 3 * sizeof(float)), 0);
     if (saveable.hasTriangles) {
       EXPECT_EQ(vertices, verticesOf(scene.geometry, 0.5f));
       size_t found = 0;
@@ -119,40 +112,38 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
       for (const RTCRayHit& r : hits) {
         RTCCompressedTriangle triangle;
         if (isHit(r))
-          found += rtcFindCompressedTriangle(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v,
-                                                  &r.hit.Ng_x, &triangle);
+          found += rtcFindCompressedTriangle(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x,
+                                             &triangle);
       }
       EXPECT_EQ(found, hitsOf(hits));
     }
-    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"surface.cbvh").c_str());
+    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "surface.cbvh").c_str());
     EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
     rtcReleaseCompressedFile(file);
     EXPECT_EQ(device.errors, 0u) << device.message;
   }
 }
 
-TEST(CompressedFiles, LoadedSurfaceIsSavedAsTheSameBytes)
-{
+TEST(CompressedFiles, LoadedSurfaceIsSavedAsTheSameBytes) {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     Folder folder;
     Device device;
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) << device.message;
     rtcReleaseGeometry(geometry);
-    geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+    geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"b").c_str())) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()))
-      << "saving to the file that it was loaded from: " << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "b").c_str())) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()))
+        << "saving to the file that it was loaded from: " << device.message;
     rtcReleaseGeometry(geometry);
-    EXPECT_EQ(bytesOf(folder/"a"), bytesOf(folder/"b"));
+    EXPECT_EQ(bytesOf(folder / "a"), bytesOf(folder / "b"));
     EXPECT_EQ(folder.names().size(), 2u);
   }
 }
 
-TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
-{
+TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput) {
   Folder folder;
   Device device;
   Random random(7);
@@ -165,7 +156,7 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
     rtcCommitScene(scene);
     expected = closestHits(scene, rays, QueryForm::Single);
   }
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder / "all").c_str());
   ASSERT_NE(writer, nullptr) << device.message;
   EXPECT_FALSE(rtcCommitCompressedFileWriter(writer)) << "a file without geometries";
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
@@ -174,14 +165,14 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
     ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << saveable.name << ": " << device.message;
     rtcReleaseGeometry(geometry);
   }
-  EXPECT_EQ(access((folder/"all").c_str(), F_OK), -1) << "the file exists before it is complete";
+  EXPECT_EQ(access((folder / "all").c_str(), F_OK), -1) << "the file exists before it is complete";
   ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
   EXPECT_FALSE(rtcCommitCompressedFileWriter(writer));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   rtcReleaseCompressedFileWriter(writer);
   device.errors = 0;
 
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
+  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "all").c_str());
   ASSERT_NE(file, nullptr) << device.message;
   ASSERT_EQ(rtcGetCompressedFileGeometryCount(file), all.size());
   Scene scene(device);
@@ -204,17 +195,16 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
   EXPECT_GT(geomIDs.size(), 4u);
   EXPECT_EQ(statisticsOf(scene).numQuads, quads);
   EXPECT_EQ(device.errors, 0u) << device.message;
-  EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder/"all").c_str()), nullptr) << "the file has several geometries";
+  EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder / "all").c_str()), nullptr) << "the file has several geometries";
 }
 
-TEST(CompressedFiles, StatisticsRequireAnOpenFileAStructAndAValidIndex)
-{
+TEST(CompressedFiles, StatisticsRequireAnOpenFileAStructAndAValidIndex) {
   Folder folder;
   Device device;
   RTCGeometry geometry = allSaveable().front().make(device);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << device.message;
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) << device.message;
   rtcReleaseGeometry(geometry);
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"a").c_str());
+  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "a").c_str());
   ASSERT_NE(file, nullptr) << device.message;
   RTCCompressionStatistics statistics = RTCCompressionStatistics();
   statistics.numQuads = 12345;
@@ -236,20 +226,19 @@ TEST(CompressedFiles, StatisticsRequireAnOpenFileAStructAndAValidIndex)
   rtcReleaseCompressedFile(file);
 }
 
-TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene)
-{
+TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene) {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     Folder folder;
     Device device;
     Random random(8);
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
-    const std::string before = bytesOf(folder/"a");
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
+    const std::string before = bytesOf(folder / "a");
     // the mask of the first excludes half of the rays, the mask of the second the others
     Scene scene(device);
     for (unsigned mask : {1u, 2u, 4u}) {
-      RTCGeometry loaded = mask == 4 ? geometry : rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+      RTCGeometry loaded = mask == 4 ? geometry : rtcLoadCompressedGeometry(device, (folder / "a").c_str());
       ASSERT_NE(loaded, nullptr) << device.message;
       rtcSetGeometryMask(loaded, mask);
       rtcSetGeometryUserData(loaded, (void*)size_t(mask));
@@ -260,7 +249,7 @@ TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene)
     rtcCommitScene(scene);
     std::vector<RTCRayHit> rays = timedRays(random, 300, saveable.moves), single;
     for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = 1 + i % 2;
-    OneGeometry alone(device, rtcLoadCompressedGeometry(device, (folder/"a").c_str()));
+    OneGeometry alone(device, rtcLoadCompressedGeometry(device, (folder / "a").c_str()));
     single = closestHits(alone, rays, QueryForm::Single);
     size_t hits = 0;
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8}) {
@@ -278,24 +267,25 @@ TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene)
       }
     }
     EXPECT_GT(hits, 50u);
-    EXPECT_EQ(before, bytesOf(folder/"a")) << "the file was modified";
+    EXPECT_EQ(before, bytesOf(folder / "a")) << "the file was modified";
     EXPECT_EQ(device.errors, 0u) << device.message;
   }
 }
 
-TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork)
-{
+TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork) {
   Folder folder;
   {
     Device device;
     RTCGeometry geometry = allSaveable()[0].make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
     rtcReleaseGeometry(geometry);
   }
   Device device("subdiv_accel=cbvh.leaf,cbvh_frame_level=1");
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
-  struct Seen { size_t calls = 0; } seen;
+  struct Seen {
+    size_t calls = 0;
+  } seen;
   rtcSetGeometryUserData(geometry, &seen);
   rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) {
     ((Seen*)args->geometryUserPtr)->calls++;
@@ -322,46 +312,43 @@ TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork)
   const auto found = closestHits(outer, rays, QueryForm::Single);
   EXPECT_GT(hitsOf(found), 150u);
   for (const RTCRayHit& r : found)
-    if (isHit(r)) {
-      ASSERT_EQ(r.hit.instID[0], 0u);
-    }
+    if (isHit(r)) { ASSERT_EQ(r.hit.instID[0], 0u); }
   rtcDisableGeometry(geometry);
   rtcCommitScene(inner);
   EXPECT_EQ(hitsOf(closestHits(inner, rays, QueryForm::Single)), 0u);
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
-{
+TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason) {
   Folder folder;
   Device device;
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
     rtcReleaseGeometry(geometry);
-    geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+    geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
     ASSERT_NE(geometry, nullptr);
     float P[3];
     const std::function<void()> edits[] = {
-      [&] { rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3); },
-      [&] { rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, P, 3); },
-      [&] { rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 4); },
-      [&] { rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0); },
-      [&] { rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0); },
-      [&] { rtcSetGeometryTessellationRate(geometry, 4); },
-      [&] { rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_PIN_ALL); },
-      [&] { rtcSetGeometryDisplacementFunction(geometry, Displacement::apply); },
-      [&] { rtcSetGeometryVertexAttributeCount(geometry, 1); },
-      [&] { rtcSetGeometryTopologyCount(geometry, 2); },
-      [&] { rtcSetGeometryTimeStepCount(geometry, 7); },
-      [&] { rtcGetGeometryFirstHalfEdge(geometry, 0); },
-      [&] {
-        RTCCompressionArguments args;
-        rtcInitCompressionArguments(&args);
-        args.compression = RTC_COMPRESSION_NONE;
-        rtcSetGeometryCompression(geometry, &args);
-      }};
+        [&] { rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3); },
+        [&] { rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, P, 3); },
+        [&] { rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 4); },
+        [&] { rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0); },
+        [&] { rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0); },
+        [&] { rtcSetGeometryTessellationRate(geometry, 4); },
+        [&] { rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_PIN_ALL); },
+        [&] { rtcSetGeometryDisplacementFunction(geometry, Displacement::apply); },
+        [&] { rtcSetGeometryVertexAttributeCount(geometry, 1); },
+        [&] { rtcSetGeometryTopologyCount(geometry, 2); },
+        [&] { rtcSetGeometryTimeStepCount(geometry, 7); },
+        [&] { rtcGetGeometryFirstHalfEdge(geometry, 0); },
+        [&] {
+          RTCCompressionArguments args;
+          rtcInitCompressionArguments(&args);
+          args.compression = RTC_COMPRESSION_NONE;
+          rtcSetGeometryCompression(geometry, &args);
+        }};
     for (const auto& edit : edits) {
       SCOPED_TRACE(&edit - edits);
       edit();
@@ -379,18 +366,17 @@ TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
   }
 }
 
-TEST(CompressedFiles, TheTimeRangeOfTheMessageIsAccepted)
-{
+TEST(CompressedFiles, TheTimeRangeOfTheMessageIsAccepted) {
   Folder folder;
   Device device;
   SurfaceSettings settings;
   settings.timeSteps = 2;
   settings.begin = 1e-7f;
-  settings.end = 1.0f/3;
+  settings.end = 1.0f / 3;
   RTCGeometry geometry = releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_CVERT);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << device.message;
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) << device.message;
   rtcReleaseGeometry(geometry);
-  geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+  geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   rtcSetGeometryTimeRange(geometry, 0, 2);
   rtcCommitGeometry(geometry);
@@ -404,17 +390,16 @@ TEST(CompressedFiles, TheTimeRangeOfTheMessageIsAccepted)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
-{
+TEST(CompressedFiles, UncompressedGeometryIsNotSaved) {
   Folder folder;
   Device device;
   const auto refused = [&](RTCGeometry geometry, const std::string& cause) {
-    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
     EXPECT_NE(device.message.find(cause), std::string::npos) << device.message;
     EXPECT_TRUE(folder.names().empty());
   };
-  EXPECT_FALSE(rtcSaveCompressedGeometry(nullptr, (folder/"a").c_str()));
+  EXPECT_FALSE(rtcSaveCompressedGeometry(nullptr, (folder / "a").c_str()));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
@@ -426,13 +411,13 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   rtcSetGeometryMask(geometry, 3);
   refused(geometry, "changed");
   const std::vector<std::function<void()>> changes = {
-    [&] { rtcSetGeometryTessellationRate(geometry, 3); },
-    [&] {
-      const float* const old = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-      const std::vector<float> copy(old, old + 24);
-      void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8);
-      std::memcpy(vertices, copy.data(), 24*sizeof(float));
-    }};
+      [&] { rtcSetGeometryTessellationRate(geometry, 3); },
+      [&] {
+        const float* const old = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+        const std::vector<float> copy(old, old + 24);
+        void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8);
+        std::memcpy(vertices, copy.data(), 24 * sizeof(float));
+      }};
   for (const auto& change : changes) {
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
@@ -442,8 +427,8 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   rtcSetGeometryUserData(geometry, &device);
-  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"b").c_str())) << "files do not contain user data";
-  std::remove((folder/"b").c_str());
+  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "b").c_str())) << "files do not contain user data";
+  std::remove((folder / "b").c_str());
   settings.compression = RTC_COMPRESSION_CLEAF;
   settings.rate = 300;
   OneGeometry high(device, newSurface(device, quadCage(), settings));
@@ -460,8 +445,7 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
 }
 
 // Cages in which all faces are holes, or all are at a border that is not subdivided.
-TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
-{
+TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded) {
   Folder folder;
   Device device;
   Cage holes = cubeCage(), border = quadCage();
@@ -473,14 +457,17 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
       for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}) {
         SurfaceSettings settings;
         settings.timeSteps = timeSteps;
-        if (timeSteps > 1) { settings.begin = 0.25f; settings.end = 1.5f; }
+        if (timeSteps > 1) {
+          settings.begin = 0.25f;
+          settings.end = 1.5f;
+        }
         geometries.push_back(releasing(newSurface(device, cage, settings), compression));
       }
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder / "all").c_str());
   for (RTCGeometry geometry : geometries) ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
   ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
   rtcReleaseCompressedFileWriter(writer);
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
+  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "all").c_str());
   ASSERT_NE(file, nullptr) << "one geometry prevents opening the others: " << device.message;
   EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
   Scene scene(device);
@@ -488,10 +475,10 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
     SCOPED_TRACE(i);
     RTCGeometry loaded = rtcNewGeometryFromCompressedFile(file, i);
     ASSERT_NE(loaded, nullptr) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometries[i], (folder/"one").c_str())) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(loaded, (folder/"again").c_str())) << device.message;
-    EXPECT_EQ(bytesOf(folder/"one"), bytesOf(folder/"again"));
-    RTCGeometry alone = rtcLoadCompressedGeometry(device, (folder/"one").c_str());
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometries[i], (folder / "one").c_str())) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(loaded, (folder / "again").c_str())) << device.message;
+    EXPECT_EQ(bytesOf(folder / "one"), bytesOf(folder / "again"));
+    RTCGeometry alone = rtcLoadCompressedGeometry(device, (folder / "one").c_str());
     EXPECT_NE(alone, nullptr) << device.message;
     if (alone) rtcReleaseGeometry(alone);
     attach(scene, loaded);
@@ -504,14 +491,13 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
-{
+TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved) {
   const float infinity = std::numeric_limits<float>::infinity(), largest = std::numeric_limits<float>::max();
   Device device;
   size_t refused = 0;
   for (float begin : {-infinity, -largest, 0.0f})
     for (float end : {1.0f, largest, infinity})
-      for (float size : {1.0f, 1e-38f, 0.4f*largest, largest})
+      for (float size : {1.0f, 1e-38f, 0.4f * largest, largest})
         for (unsigned timeSteps : {1u, 3u}) {
           SCOPED_TRACE(testing::Message() << timeSteps << " steps, " << begin << " to " << end << ", size " << size);
           Folder folder;
@@ -527,12 +513,11 @@ TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
           RTCGeometry geometry = newSurface(device, cage, settings);
           refused += device.takeError() != RTC_ERROR_NONE; // an invalid time range
           releasing(geometry, RTC_COMPRESSION_CVERT);
-          if (rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) {
-            RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+          if (rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) {
+            RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
             EXPECT_NE(loaded, nullptr) << device.message;
             if (loaded) rtcReleaseGeometry(loaded);
-          }
-          else {
+          } else {
             refused++;
             EXPECT_TRUE(folder.names().empty());
           }
@@ -543,8 +528,7 @@ TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
 }
 
 // A scene that compresses other geometries has a tree for it, too.
-TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
-{
+TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved) {
   Folder folder;
   Device device;
   Cage holes = cubeCage();
@@ -557,14 +541,13 @@ TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
   attach(scene, geometry);
   rtcCommitScene(scene);
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+  EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_NE(device.message.find("compression"), std::string::npos) << device.message;
   EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
-{
+TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently) {
   Folder folder;
   Device device;
   Random random(12);
@@ -573,20 +556,20 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
   const std::vector<RTCRayHit> rays = timedRays(random, 200, true);
   for (size_t i = 0; i < 4; i++) {
     OneGeometry scene(device, all[i].make(device));
-    ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/std::to_string(i)).c_str()));
+    ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder / std::to_string(i)).c_str()));
     expected.push_back(closestHits(scene, rays, QueryForm::Single));
   }
-  RTCCompressedFile open = rtcOpenCompressedFile(device, (folder/"0").c_str());
+  RTCCompressedFile open = rtcOpenCompressedFile(device, (folder / "0").c_str());
   ASSERT_NE(open, nullptr);
   std::vector<std::thread> threads;
   for (size_t t = 0; t < 4; t++)
     threads.emplace_back([&, t] {
       for (size_t round = 0; round < 12; round++) {
         const size_t i = (t + round) % 4;
-        OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder/std::to_string(i)).c_str()));
+        OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder / std::to_string(i)).c_str()));
         ASSERT_NE(scene.geometry, nullptr);
         expectSameToTheBit(expected[i], closestHits(scene, rays, QueryForm::Single));
-        ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/(std::to_string(t) + "-saved")).c_str()));
+        ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder / (std::to_string(t) + "-saved")).c_str()));
         OneGeometry another(device, rtcNewGeometryFromCompressedFile(open, 0));
         ASSERT_NE(another.geometry, nullptr);
         expectSameToTheBit(expected[0], closestHits(another, rays, QueryForm::Single));
@@ -596,8 +579,7 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
   rtcReleaseCompressedFile(open);
   EXPECT_EQ(device.errors, 0u) << device.message;
   for (size_t t = 0; t < 4; t++)
-    EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
+    EXPECT_EQ(bytesOf(folder / (std::to_string(t) + "-saved")), bytesOf(folder / std::to_string((t + 11) % 4)));
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -19,26 +19,23 @@
 #include <malloc.h>
 #include <mutex>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // According to the statistics of the cube's scene.
-std::string representationOf(RTCScene scene)
-{
+std::string representationOf(RTCScene scene) {
   const RTCCompressionStatistics s = statisticsOf(scene);
   if (s.numBlocks == 0) return "none";
   if (s.maxVertexSpacing > 0) return "vert";
   // leaves have no bytes, 2 bytes per quad (at least 8), or 12 per vertex; and up to 12 bytes align the next block
-  const size_t leaves = s.leafBytes/s.numBlocks, quads = s.numQuads/s.numBlocks;
-  std::string name = leaves < 16 ? "voxel" : leaves <= std::max<size_t>(2*quads, 8) + 12 ? "leaf" : "grid";
+  const size_t leaves = s.leafBytes / s.numBlocks, quads = s.numQuads / s.numBlocks;
+  std::string name = leaves < 16 ? "voxel" : leaves <= std::max<size_t>(2 * quads, 8) + 12 ? "leaf" : "grid";
   for (int n = 0; n <= 8; n++)
-    if (s.numBlocks == 6*(size_t(1) << 2*n)) name += " " + std::to_string(n);
+    if (s.numBlocks == 6 * (size_t(1) << 2 * n)) name += " " + std::to_string(n);
   return name;
 }
 
 // Representation of a cube on a device with this configuration.
-std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
-{
+std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32) {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
   Device device(says ? "cbvh_fallback_faces=0," + config : config); // the number of blocks reveals the frame level
   if (!device) return "no device";
@@ -58,8 +55,7 @@ std::string representation(const std::string& config, const RTCCompressionArgume
 }
 
 RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
-                                  float maxError = -1)
-{
+                                  float maxError = -1) {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = compression;
@@ -71,16 +67,14 @@ RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = R
 
 // --- settings --------------------------------------------------------------------------------
 
-TEST(Settings, DefaultIsStock)
-{
+TEST(Settings, DefaultIsStock) {
   EXPECT_EQ(representation(""), "none");
   EXPECT_EQ(representation("threads=1"), "none");
   EXPECT_EQ(representation("subdiv_accel=bvh4.grid.eager"), "none");
   EXPECT_EQ(representation("cbvh_frame_level=1"), "none");
 }
 
-TEST(Settings, DeviceStringChoosesTheRepresentation)
-{
+TEST(Settings, DeviceStringChoosesTheRepresentation) {
   EXPECT_EQ(representation("subdiv_accel=cbvh.grid"), "grid 1");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 1");
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf"), "leaf 1");
@@ -91,16 +85,14 @@ TEST(Settings, DeviceStringChoosesTheRepresentation)
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=8"), "leaf 5");
 }
 
-TEST(Settings, DefaultFrameLevelGivesBlocksOf16x16Quads)
-{
+TEST(Settings, DefaultFrameLevelGivesBlocksOf16x16Quads) {
   const char* const expected[] = {"leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 1", "leaf 2"};
   for (unsigned level = 0; level <= 6; level++)
     EXPECT_EQ(representation("subdiv_accel=cbvh.leaf", nullptr, float(1u << level)), expected[level]) << level;
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=2", nullptr, 4), "leaf 2");
 }
 
-TEST(Settings, EnvironmentIsUsedIfProgramSetsNothing)
-{
+TEST(Settings, EnvironmentIsUsedIfProgramSetsNothing) {
   const std::pair<const char*, const char*> cases[] = {{"leaf", "leaf 1"},
                                                        {"voxel,frame_level=1", "voxel 1"},
                                                        {" leaf , frame_level=auto ", "leaf 1"},
@@ -116,8 +108,7 @@ TEST(Settings, EnvironmentIsUsedIfProgramSetsNothing)
   }
 }
 
-TEST(Settings, GeometryOverridesDeviceOverridesEnvironment)
-{
+TEST(Settings, GeometryOverridesDeviceOverridesEnvironment) {
   Environment environment("leaf,frame_level=1");
   EXPECT_EQ(representation(""), "leaf 1");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 1");
@@ -134,16 +125,14 @@ TEST(Settings, GeometryOverridesDeviceOverridesEnvironment)
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
 }
 
-TEST(Settings, OneSelectsDefaultKind)
-{
+TEST(Settings, OneSelectsDefaultKind) {
   EXPECT_EQ(representation("subdiv_accel=cbvh"), "vert");
   Environment environment("1");
   EXPECT_EQ(representation(""), "vert");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
 }
 
-TEST(Version, LibraryAndHeadersAgree)
-{
+TEST(Version, LibraryAndHeadersAgree) {
   Device device("");
   EXPECT_EQ(rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION), RTC_COMPRESSION_VERSION);
   const ssize_t major = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_MAJOR);
@@ -152,7 +141,7 @@ TEST(Version, LibraryAndHeadersAgree)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch),
             RTC_COMPRESSION_VERSION_STRING);
-  EXPECT_EQ(major*10000 + minor*100 + patch, RTC_COMPRESSION_VERSION);
+  EXPECT_EQ(major * 10000 + minor * 100 + patch, RTC_COMPRESSION_VERSION);
 
   EXPECT_EQ(rtcGetDeviceCompressionProperty(device, RTCCompressionProperty(4)), 0);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
@@ -162,8 +151,7 @@ TEST(Version, LibraryAndHeadersAgree)
 }
 
 // With the kind chosen by the device string or by the environment.
-TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly)
-{
+TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly) {
   const auto printed = [](const std::string& config) {
     testing::internal::CaptureStdout();
     { Device device(config); }
@@ -185,9 +173,10 @@ TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly)
 }
 
 // In a C++ locale with decimal commas.
-TEST(Settings, NumbersUseDecimalPointInEveryLocale)
-{
-  struct Comma : public std::numpunct<char> { char do_decimal_point() const override { return ','; } };
+TEST(Settings, NumbersUseDecimalPointInEveryLocale) {
+  struct Comma : public std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
   const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=1000.5"), "leaf 0");
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0000001"), "leaf 5");
@@ -197,8 +186,7 @@ TEST(Settings, NumbersUseDecimalPointInEveryLocale)
 }
 
 // There is no device for an error message: rtcNewDevice prints a line to stderr and sets the error code.
-void expectNoDevice(const std::string& config, const std::string& name, const std::string& value)
-{
+void expectNoDevice(const std::string& config, const std::string& name, const std::string& value) {
   rtcGetDeviceError(nullptr);
   testing::internal::CaptureStderr();
   RTCDevice device = rtcNewDevice(config.c_str());
@@ -209,8 +197,7 @@ void expectNoDevice(const std::string& config, const std::string& name, const st
   EXPECT_TRUE(containsInOrder(output, {"\"" + value + "\"", name})) << config;
 }
 
-TEST(Settings, UnknownValuesInDeviceStringAreRejectedByNameAndValue)
-{
+TEST(Settings, UnknownValuesInDeviceStringAreRejectedByNameAndValue) {
   expectNoDevice("subdiv_accel=cbvh.foo", "subdiv_accel", "cbvh.foo");
   expectNoDevice("subdiv_accel=cbvh.", "subdiv_accel", "cbvh.");
   expectNoDevice("subdiv_accel=cbvhvert", "subdiv_accel", "cbvhvert");
@@ -224,8 +211,7 @@ TEST(Settings, UnknownValuesInDeviceStringAreRejectedByNameAndValue)
 }
 
 // Embree's lexer reads other numbers from these texts: it cuts integers to 32 bits and ends tokens within the text.
-TEST(Settings, ValuesInDeviceStringAreReadCompletely)
-{
+TEST(Settings, ValuesInDeviceStringAreReadCompletely) {
   for (const std::string level : {"4294967298", "18446744073709551618", "2x", "0x2", "2 3", "2 -", "auto2", "\"2\""})
     expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=" + level, "cbvh_frame_level", level);
   for (const std::string error : {"0x10", "5e", "1 2", "1 .5", "0.5;", "1=2", "inf", "1e99", "-2147483649"})
@@ -244,8 +230,7 @@ TEST(Settings, ValuesInDeviceStringAreReadCompletely)
 }
 
 // Embree ignores other unknown keys silently.
-TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
-{
+TEST(Settings, UnknownKeysAreRejectedWithSuggestion) {
   expectNoDevice("subdiv_accel=cbvh,cbvh_maxerror=0.001", "cbvh_max_error", "cbvh_maxerror");
   expectNoDevice("cbvh_framelevel=2", "cbvh_frame_level", "cbvh_framelevel");
   expectNoDevice("cbvh_fallback=1", "cbvh_fallback_faces", "cbvh_fallback");
@@ -262,8 +247,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
 }
 
 // "grid" is Embree's GRID in subdiv_accel and in programs that offer both, and cGRID elsewhere.
-TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
-{
+TEST(Settings, NamesOfKindsAreAcceptedEverywhere) {
   const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
   for (const std::string& kind : kinds) {
     const std::string expected = representation("subdiv_accel=cbvh." + kind);
@@ -279,8 +263,7 @@ TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
   EXPECT_EQ(representation("subdiv_accel=CBVH"), representation("subdiv_accel=cbvh"));
 }
 
-TEST(Settings, NamesOfKindsDoNotDependOnTheLocale)
-{
+TEST(Settings, NamesOfKindsDoNotDependOnTheLocale) {
   const std::string expected = representation("subdiv_accel=cbvh.grid");
   const TurkishLocale locale;
   if (!locale) GTEST_SKIP() << "no localedef, or no source of the Turkish locale: install Debian's package locales";
@@ -288,8 +271,7 @@ TEST(Settings, NamesOfKindsDoNotDependOnTheLocale)
   EXPECT_EQ(representation("subdiv_accel=CBVH.GRID"), expected);
 }
 
-TEST(Settings, GeometriesCanOptOutOfEveryKind)
-{
+TEST(Settings, GeometriesCanOptOutOfEveryKind) {
   for (const char* name : {"cvert", "vert", "cbvh.vert", "CBVH"}) {
     Device device(std::string("subdiv_accel=") + name);
     SurfaceSettings settings;
@@ -300,8 +282,7 @@ TEST(Settings, GeometriesCanOptOutOfEveryKind)
   }
 }
 
-TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue)
-{
+TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue) {
   const std::pair<const char*, const char*> cases[] = {{"foo", "foo"},
                                                        {"leaf,frame_level=9", "9"},
                                                        {"leaf,frame_level=-1", "-1"},
@@ -325,8 +306,7 @@ TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue)
 
 // --- errors of the functions --------------------------------------------------------------------
 
-TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting)
-{
+TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting) {
   Device device;
   Displacement displacement;
   SurfaceSettings settings;
@@ -393,8 +373,7 @@ TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting
   EXPECT_EQ(representationOf(scene), "voxel 1");
 }
 
-TEST(SetGeometryCompression, RejectsOtherGeometryTypes)
-{
+TEST(SetGeometryCompression, RejectsOtherGeometryTypes) {
   Device device;
   const RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF);
   std::vector<RTCGeometryType> types{RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER};
@@ -411,8 +390,7 @@ TEST(SetGeometryCompression, RejectsOtherGeometryTypes)
   }
 }
 
-TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes)
-{
+TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes) {
   Device device;
   Displacement displacement;
   SurfaceSettings settings;
@@ -437,8 +415,7 @@ TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes)
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
 }
 
-TEST(GetSceneCompressionStatistics, IsAllZeroWithoutCompression)
-{
+TEST(GetSceneCompressionStatistics, IsAllZeroWithoutCompression) {
   Device device;
   Displacement displacement;
   SurfaceSettings settings;
@@ -451,8 +428,7 @@ TEST(GetSceneCompressionStatistics, IsAllZeroWithoutCompression)
   EXPECT_EQ(std::memcmp(&stats, &none, offsetof(RTCCompressionStatistics, maxLeafThickness) + sizeof(float)), 0);
 }
 
-TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification)
-{
+TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification) {
   Device device;
   Displacement displacement;
   for (RTCCompression kind : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF}) {
@@ -466,20 +442,19 @@ TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification)
     rtcCommitScene(scene);
     const RTCCompressionStatistics s = statisticsOf(scene);
     EXPECT_EQ(s.numBlocks, 24u);
-    EXPECT_EQ(s.numQuads, 24u*64);
-    EXPECT_EQ(s.nodeBytes, 24u*4*(kind == RTC_COMPRESSION_CGRID ? 5 : 21));
-    const size_t leaf = kind == RTC_COMPRESSION_CGRID ? 4*(3*81 + 3) : kind == RTC_COMPRESSION_CLEAF ? 128 : 0;
-    EXPECT_GE(s.leafBytes, 24*leaf);
-    EXPECT_LT(s.leafBytes, 24*(leaf + 16)); // includes the alignment of the next block
-    EXPECT_EQ(s.headerBytes, 24u*76);
+    EXPECT_EQ(s.numQuads, 24u * 64);
+    EXPECT_EQ(s.nodeBytes, 24u * 4 * (kind == RTC_COMPRESSION_CGRID ? 5 : 21));
+    const size_t leaf = kind == RTC_COMPRESSION_CGRID ? 4 * (3 * 81 + 3) : kind == RTC_COMPRESSION_CLEAF ? 128 : 0;
+    EXPECT_GE(s.leafBytes, 24 * leaf);
+    EXPECT_LT(s.leafBytes, 24 * (leaf + 16)); // includes the alignment of the next block
+    EXPECT_EQ(s.headerBytes, 24u * 76);
     EXPECT_GT(s.topLevelBytes, 0u);
     EXPECT_EQ(s.uncompressedBytes, 0u);
     if (kind != RTC_COMPRESSION_CGRID) { EXPECT_GT(s.maxLeafThickness, 0); }
   }
 }
 
-TEST(MaxError, BoundsThicknessOfLeavesWithAutomaticFrameLevel)
-{
+TEST(MaxError, BoundsThicknessOfLeavesWithAutomaticFrameLevel) {
   Device device;
   Displacement displacement;
   for (RTCCompression kind : {RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF}) {
@@ -507,16 +482,16 @@ TEST(MaxError, BoundsThicknessOfLeavesWithAutomaticFrameLevel)
 
 // --- memory -------------------------------------------------------------------------------------
 
-size_t heapBytes()
-{
+size_t heapBytes() {
   const struct mallinfo2 info = mallinfo2();
   return info.uordblks + info.hblkhd;
 }
 
-struct Sizes { size_t result, sum, peak, heap; };
+struct Sizes {
+  size_t result, sum, peak, heap;
+};
 
-Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::string& config = "")
-{
+Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::string& config = "") {
   Memory memory;
   Sizes sizes;
   {
@@ -551,8 +526,7 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
 
 // Topology and regular patches, which the scene also stores, do not depend on the level. The allocator rounds up by a
 // few percent and by a block per thread.
-TEST(Memory, StatisticsMatchMemoryMonitor)
-{
+TEST(Memory, StatisticsMatchMemoryMonitor) {
   for (RTCCompression kind :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(kind);
@@ -562,45 +536,42 @@ TEST(Memory, StatisticsMatchMemoryMonitor)
                 large.peak);
     EXPECT_GE(small.result, small.sum);
     EXPECT_GE(large.result, large.sum);
-    EXPECT_LE(added, stated*1.06 + 256*1024);
+    EXPECT_LE(added, stated * 1.06 + 256 * 1024);
   }
 }
 
 /* A commit needs one patch per thread, whatever the number of faces: 14 floats per vertex (patch_vertices.h) in arrays
  * that grow by doubling, so at most 112 bytes. Blocks are encoded one at a time, 1/16 of the patch each at frame level
  * 2, and the allocator fills its last blocks: 16 more. At this rate the total is 104, with 4 faces as with 36. */
-TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
-{
+TEST(Memory, CommitPeakIsResultAndOnePatchPerThread) {
   const float rate = 256;
   for (RTCCompression kind :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT})
     for (unsigned threads : {1, 2}) {
       SCOPED_TRACE(testing::Message() << "compression " << kind << ", threads " << threads);
       const Sizes sizes = measure(kind, sheetCage(6), rate, "threads=" + std::to_string(threads));
-      const double patch = 128*double(rate + 1)*double(rate + 1);
+      const double patch = 128 * double(rate + 1) * double(rate + 1);
       std::printf("compression %d, %u threads: result %zu, peak %zu\n", int(kind), threads, sizes.result, sizes.peak);
-      EXPECT_LE(double(sizes.peak), double(sizes.result) + threads*patch);
+      EXPECT_LE(double(sizes.peak), double(sizes.result) + threads * patch);
     }
 }
 
 // The growth of malloc's memory during a commit must have gone through the monitor, except for small allocations of
 // the C++ library and of TBB.
-TEST(Memory, MonitorSeesAllMemory)
-{
+TEST(Memory, MonitorSeesAllMemory) {
   for (RTCCompression kind :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(kind);
     measure(kind, sheetCage(8), 4); // TBB creates its threads and arenas only once
     const Sizes sizes = measure(kind, sheetCage(8), 128);
-    EXPECT_LE(sizes.heap, sizes.result + 256*1024);
+    EXPECT_LE(sizes.heap, sizes.result + 256 * 1024);
   }
 }
 
 // When the displacement function is called, the vertices of a patch exist: malloc must not have allocated more than the
 // monitor knows.
-TEST(Memory, MonitorSeesAllMemoryDuringCommit)
-{
-  mallopt(M_MMAP_THRESHOLD, 64*1024); // the allocator maps large pieces directly
+TEST(Memory, MonitorSeesAllMemoryDuringCommit) {
+  mallopt(M_MMAP_THRESHOLD, 64 * 1024); // the allocator maps large pieces directly
   for (RTCCompression kind :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     SCOPED_TRACE(kind);
@@ -627,21 +598,19 @@ TEST(Memory, MonitorSeesAllMemoryDuringCommit)
     rtcCommitScene(scene);
     // cVERT evaluates borders in advance: each corner once for each of its two borders
     EXPECT_EQ(calls, kind == RTC_COMPRESSION_CVERT ? 12u : 4u);
-    EXPECT_LE(unknown, 256*1024);
+    EXPECT_LE(unknown, 256 * 1024);
     displacement.poison = nullptr;
   }
 }
 
 // --- progress -------------------------------------------------------------------------------------
 
-struct Progress
-{
+struct Progress {
   std::vector<double> fractions;
   double cancelAt = 2;
   std::mutex mutex;
 
-  static bool monitor(void* self, double n)
-  {
+  static bool monitor(void* self, double n) {
     Progress& p = *(Progress*)self;
     std::lock_guard<std::mutex> lock(p.mutex);
     p.fractions.push_back(n);
@@ -649,8 +618,7 @@ struct Progress
   }
 };
 
-TEST(Progress, RisesToOne)
-{
+TEST(Progress, RisesToOne) {
   // a task of eight faces reports at its end, and after every 2^15 quads: at rate 256 after each face
   for (const auto& tasks : {std::make_pair(64.0f, sheetCage(12)), std::make_pair(256.0f, sheetCage(3))}) {
     SCOPED_TRACE(testing::Message() << "rate " << tasks.first);
@@ -674,8 +642,7 @@ TEST(Progress, RisesToOne)
   }
 }
 
-TEST(Progress, CancelledCommitCanBeRepeated)
-{
+TEST(Progress, CancelledCommitCanBeRepeated) {
   Memory memory;
   for (RTCCompression kind :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
@@ -703,8 +670,8 @@ TEST(Progress, CancelledCommitCanBeRepeated)
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       Random random(81);
       for (int i = 0; i < 500; i++) {
-        const RTCRayHit ray = makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3},
-                                      {0.01f, 0.02f, -1});
+        const RTCRayHit ray =
+            makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1});
         const RTCRayHit a = intersect(whole, ray), b = intersect(scene, ray);
         ASSERT_EQ(isHit(a), isHit(b));
         if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); }
@@ -716,8 +683,7 @@ TEST(Progress, CancelledCommitCanBeRepeated)
 
 // --- rebuilding -------------------------------------------------------------------------------------
 
-TEST(Dynamic, ScenesFollowChanges)
-{
+TEST(Dynamic, ScenesFollowChanges) {
   for (RTCCompression kind :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     Memory memory;
@@ -737,24 +703,23 @@ TEST(Dynamic, ScenesFollowChanges)
     for (int frame = 0; frame < 20; frame++) {
       float* positions = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
       const float x = float(frame % 4);
-      for (size_t i = 0; i < cage.positions.size(); i++) positions[3*i] = cage.positions[i][0] + x;
+      for (size_t i = 0; i < cage.positions.size(); i++) positions[3 * i] = cage.positions[i][0] + x;
       rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
       rtcSetGeometryTessellationRate(geometry, frame % 2 ? 8 : 16);
       rtcCommitGeometry(geometry);
       rtcCommitScene(scene);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-      ASSERT_EQ(statisticsOf(scene).numQuads, 6u*(frame % 2 ? 64 : 256));
+      ASSERT_EQ(statisticsOf(scene).numQuads, 6u * (frame % 2 ? 64 : 256));
       const RTCRayHit hit = intersect(scene, makeRay({x, 0, 5}, {0, 0, -1}));
       ASSERT_TRUE(isHit(hit)) << "frame " << frame;
       ASSERT_FALSE(isHit(intersect(scene, makeRay({x + 2, 0, 5}, {0, 0, -1}))));
       if (frame == 7) live = memory.live;
-      if (frame > 7 && frame % 4 == 3) { ASSERT_LE(memory.live, live + 64*1024) << "rebuilding grows"; }
+      if (frame > 7 && frame % 4 == 3) { ASSERT_LE(memory.live, live + 64 * 1024) << "rebuilding grows"; }
     }
   }
 }
 
-TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
-{
+TEST(Dynamic, SettingsTakeEffectWithTheNextCommit) {
   Device device;
   Displacement displacement;
   SurfaceSettings settings;
@@ -762,10 +727,13 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   addSurface(device, scene, cubeCage(), settings);
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
-  const struct { RTCCompression kind; int frameLevel; const char* name;
+  const struct {
+    RTCCompression kind;
+    int frameLevel;
+    const char* name;
   } steps[] = {{RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_CLEAF, 2, "leaf 2"},
-               {RTC_COMPRESSION_CLEAF, 0, "leaf 0"},  {RTC_COMPRESSION_CGRID, 1, "grid 1"},
-               {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_CVOXEL, 4, "voxel 4"},
+               {RTC_COMPRESSION_CLEAF, 0, "leaf 0"}, {RTC_COMPRESSION_CGRID, 1, "grid 1"},
+               {RTC_COMPRESSION_NONE, 1, "none"},    {RTC_COMPRESSION_CVOXEL, 4, "voxel 4"},
                {RTC_COMPRESSION_INHERIT, 0, "none"}};
   for (const auto& step : steps) {
     const RTCCompressionArguments args = arguments(step.kind, step.frameLevel);
@@ -779,8 +747,7 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
 }
 
 // Embree ignores unknown keys, but a misspelled request for compression must not be ignored.
-TEST(DeviceString, UnknownKeysGetSuggestion)
-{
+TEST(DeviceString, UnknownKeysGetSuggestion) {
   for (const char* config : {"subdiv_acel=cbvh", "threds=1,subdiv_accel=cbvh.vert"}) {
     testing::internal::CaptureStderr();
     RTCDevice device = rtcNewDevice(config);
@@ -796,5 +763,4 @@ TEST(DeviceString, UnknownKeysGetSuggestion)
   rtcReleaseDevice(device);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -10,12 +10,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 RTCCompressionStatistics statisticsOf(RTCDevice device,
-                                      const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces)
-{
+                                      const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces) {
   Scene scene(device);
   for (const auto& surface : surfaces) addSurface(device, scene, *surface.first, *surface.second);
   rtcCommitScene(scene);
@@ -23,16 +21,14 @@ RTCCompressionStatistics statisticsOf(RTCDevice device,
 }
 
 // Compares all bytes, so that members of later versions are included.
-bool isAllZero(const RTCCompressionStatistics& s)
-{
+bool isAllZero(const RTCCompressionStatistics& s) {
   static const char zeros[sizeof(s)] = {};
   const size_t members = sizeof(s.structSize);
   return std::memcmp((const char*)&s + members, zeros, sizeof(s) - members) == 0;
 }
 
 // Both surfaces contribute to each counter. A scene with both must have the sums, except for the tree above them.
-TEST(CompressionStatistics, AddUpOverSurfaces)
-{
+TEST(CompressionStatistics, AddUpOverSurfaces) {
   Device device;
   Cage many = sheetCage(6), few = cubeCage(); // one with several tasks, one with a single task
   Displacement rough, rougher;
@@ -57,7 +53,7 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
       EXPECT_GT(n, 0u) << "surface " << i << " must contribute to every counter";
   }
   const RTCCompressionStatistics both = statisticsOf(device, {{cages[0], &settings[0]}, {cages[1], &settings[1]}});
-  for (size_t RTCCompressionStatistics::*field :
+  for (size_t RTCCompressionStatistics::* field :
        {&RTCCompressionStatistics::headerBytes, &RTCCompressionStatistics::nodeBytes,
         &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::uncompressedBytes,
         &RTCCompressionStatistics::numBlocks, &RTCCompressionStatistics::numQuads,
@@ -69,8 +65,7 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
 }
 
 // Blocks are aligned to 16 bytes.
-TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
-{
+TEST(CompressionStatistics, BytesOfBlocksIncludePadding) {
   Device device;
   Displacement displacement;
   const Cage cage = quadCage();
@@ -82,15 +77,14 @@ TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
       settings.rate = 8;
       settings.frameLevel = 3 - height;
       const RTCCompressionStatistics s = statisticsOf(device, {{&cage, &settings}});
-      EXPECT_EQ(s.numBlocks, size_t(64) >> 2*height);
-      EXPECT_EQ((s.headerBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u)
-        << "height " << height << ", kind " << kind;
+      EXPECT_EQ(s.numBlocks, size_t(64) >> 2 * height);
+      EXPECT_EQ((s.headerBytes + s.nodeBytes + s.leafBytes) / s.numBlocks % 16, 0u)
+          << "height " << height << ", kind " << kind;
     }
 }
 
 // The corners of a trapezoid have a projective map; the corners of a dented quad have none.
-TEST(CompressionStatistics, AffineBlocksAreCounted)
-{
+TEST(CompressionStatistics, AffineBlocksAreCounted) {
   Device device;
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CLEAF;
@@ -106,8 +100,7 @@ TEST(CompressionStatistics, AffineBlocksAreCounted)
   }
 }
 
-TEST(CompressionStatistics, DescribeTheLastCommit)
-{
+TEST(CompressionStatistics, DescribeTheLastCommit) {
   Device device;
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CLEAF;
@@ -126,8 +119,7 @@ TEST(CompressionStatistics, DescribeTheLastCommit)
   EXPECT_TRUE(isAllZero(statistics));
 }
 
-TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
-{
+TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted) {
   Device device;
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CLEAF;
@@ -140,10 +132,10 @@ TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_CVOXEL;
   const std::pair<const char*, std::function<void()>> changes[] = {
-    {"vertices", [&] { rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0); }},
-    {"compression", [&] { rtcSetGeometryCompression(geometry, &args); }},
-    {"detached", [&] { rtcDetachGeometry(scene, second); }},
-    {"attached", [&] { addSurface(device, scene, quadCage(), settings); }}};
+      {"vertices", [&] { rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0); }},
+      {"compression", [&] { rtcSetGeometryCompression(geometry, &args); }},
+      {"detached", [&] { rtcDetachGeometry(scene, second); }},
+      {"attached", [&] { addSurface(device, scene, quadCage(), settings); }}};
   for (const auto& change : changes) {
     SCOPED_TRACE(change.first);
     EXPECT_GT(statisticsOf(scene).numBlocks, 0u);
@@ -156,8 +148,7 @@ TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
   }
 }
 
-TEST(CompressionStatistics, IgnoreDisabledSurfaces)
-{
+TEST(CompressionStatistics, IgnoreDisabledSurfaces) {
   Device device;
   SurfaceSettings settings;
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
@@ -170,12 +161,11 @@ TEST(CompressionStatistics, IgnoreDisabledSurfaces)
   EXPECT_TRUE(isAllZero(statisticsOf(scene)));
   rtcEnableGeometry(rtcGetGeometry(scene, id));
   rtcCommitScene(scene);
-  EXPECT_EQ(statisticsOf(scene).numQuads, 6u*256);
+  EXPECT_EQ(statisticsOf(scene).numQuads, 6u * 256);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(CompressionStatistics, CountMovingGeometry)
-{
+TEST(CompressionStatistics, CountMovingGeometry) {
   for (RTCCompression compression :
        {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
     Device device;
@@ -188,8 +178,8 @@ TEST(CompressionStatistics, CountMovingGeometry)
     addSurface(device, scene, cubeCage(), settings);
     rtcCommitScene(scene);
     const RTCCompressionStatistics stats = statisticsOf(scene);
-    EXPECT_EQ(stats.numQuads, 7u*256);
-    EXPECT_EQ(stats.numMovingQuads, 6u*256);
+    EXPECT_EQ(stats.numQuads, 7u * 256);
+    EXPECT_EQ(stats.numMovingQuads, 6u * 256);
     EXPECT_GT(stats.motionBytes, 0u);
     EXPECT_LT(stats.motionBytes, stats.leafBytes);
     EXPECT_GT(stats.maxVertexSpacing, 0);
@@ -198,15 +188,14 @@ TEST(CompressionStatistics, CountMovingGeometry)
 }
 
 // The spacing follows the edges of each time step.
-TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
-{
+TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps) {
   Device device;
   const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
     SurfaceSettings settings;
     settings.compression = RTC_COMPRESSION_CVERT;
     settings.timeSteps = timeSteps;
     settings.motion = [&](const Vec& p, unsigned step) {
-      return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]};
+      return Vec{scale(step) * p[0], scale(step) * p[1], scale(step) * p[2]};
     };
     const SurfaceScene scene(device, cubeCage(), settings);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -215,12 +204,11 @@ TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
   const float still = spacing(1, [](unsigned) { return 1.0f; });
   EXPECT_GT(still, 0);
   for (unsigned large : {0u, 1u, 2u, 3u})
-    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
+    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64 * still) << large;
 }
 
 // The geometry's diagonal limits the spacing, also if its square is not a normal float.
-TEST(CompressionStatistics, SpacingFollowsTheScaleOfTinyGeometry)
-{
+TEST(CompressionStatistics, SpacingFollowsTheScaleOfTinyGeometry) {
   Device device;
   const auto spacing = [&](const Cage& cage, int exponent) {
     Cage scaled = cage;
@@ -242,8 +230,7 @@ TEST(CompressionStatistics, SpacingFollowsTheScaleOfTinyGeometry)
 
 // The time steps of a mesh in mesh blocks share one lattice. Its spacing follows the median edge of all steps together:
 // the edges of one step in four do not change it, and those of three do.
-TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
-{
+TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare) {
   Device device;
   Random random(12);
   Diced sheet;
@@ -251,7 +238,7 @@ TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
   const DicedMesh triangles = irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random);
   const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
     DicedMesh mesh = triangles;
-    mesh.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step)*p[0], scale(step)*p[1], float(step)}; };
+    mesh.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step) * p[0], scale(step) * p[1], float(step)}; };
     Scene scene(device);
     attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
     rtcCommitScene(scene);
@@ -265,13 +252,12 @@ TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
   EXPECT_GT(still, 0);
   for (unsigned other : {0u, 1u, 2u, 3u}) {
     EXPECT_EQ(spacing(4, [&](unsigned step) { return step == other ? 64.0f : 1.0f; }), still) << other;
-    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == other ? 1.0f : 64.0f; }), 64*still) << other;
+    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == other ? 1.0f : 64.0f; }), 64 * still) << other;
   }
 }
 
 // A peak next to the camera of maxPixelError. Lattices are chosen from a sample of the vertices, without the peak.
-TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex)
-{
+TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex) {
   Device device;
   Random random(13);
   RTCCompressionArguments args;
@@ -295,12 +281,12 @@ TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex)
   };
   Diced sheet;
   sheet.add(65, 65, [&](unsigned x, unsigned y) {
-    return x == 20 && y == 20 ? peak : Vec{float(x), float(y), 0.001f*((x*7 + y*3) % 5)};
+    return x == 20 && y == 20 ? peak : Vec{float(x), float(y), 0.001f * ((x * 7 + y * 3) % 5)};
   });
   EXPECT_LE(spacing(newGrids(device, sheet)), 0.001f) << "grid";
   EXPECT_LE(spacing(newMesh(device, meshOf(sheet, QuadOrder::Rows, random))), 0.001f) << "quads";
   Diced large; // more triangles than the sample has
-  large.add(300, 300, [](unsigned x, unsigned y) { return Vec{float(x), float(y), 0.001f*((x*7 + y*3) % 5)}; });
+  large.add(300, 300, [](unsigned x, unsigned y) { return Vec{float(x), float(y), 0.001f * ((x * 7 + y * 3) % 5)}; });
   DicedMesh mesh = irregularTriangles(meshOf(large, QuadOrder::Rows, random), random);
   const unsigned first = unsigned(mesh.vertices.size());
   for (const Vec& p : {peak, Vec{21, 20, 98}, Vec{20, 21, 98}}) mesh.vertices.push_back(p);
@@ -318,20 +304,19 @@ TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex)
   }
 }
 
-TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
-{
+TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport) {
   const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0
     Cage cage;
     cage.positions.push_back({0, 0, 0});
-    for (unsigned i = 0; i < faces*(corners - 2); i++) {
-      const double a = 2*M_PI*i/double(faces*(corners - 2));
+    for (unsigned i = 0; i < faces * (corners - 2); i++) {
+      const double a = 2 * M_PI * i / double(faces * (corners - 2));
       cage.positions.push_back({float(std::cos(a)), float(std::sin(a)), 0});
     }
     const unsigned rim = unsigned(cage.positions.size()) - 1;
     for (unsigned f = 0; f < faces; f++) {
       cage.faces.push_back(corners);
       cage.indices.push_back(0);
-      for (unsigned i = 0; i + 1 < corners; i++) cage.indices.push_back(1 + (f*(corners - 2) + i)%rim);
+      for (unsigned i = 0; i + 1 < corners; i++) cage.indices.push_back(1 + (f * (corners - 2) + i) % rim);
     }
     return cage;
   };
@@ -339,7 +324,11 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
   Cage withHoles = large;
   withHoles.holes = {21, 0, 3};
   tiny.addFace({0, 1});
-  struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers;
+  struct Case {
+    const char* name;
+    Cage cage;
+    size_t unsupported;
+    bool hasOthers;
   } cases[] = {{"65 quads at a vertex", fan(65, 4), 0, true},
                {"1024 quads at a vertex", fan(1024, 4), 0, true},
                {"1025 quads at a vertex", fan(1025, 4), 1025, false},
@@ -368,8 +357,7 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
 }
 
 // Caches must fit into the second-level cache of a core.
-TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
-{
+TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks) {
   const auto bytesOf = [](std::vector<RTCCompression> compressions, bool moves = false) {
     Device device;
     Scene scene(device, RTC_SCENE_FLAG_NONE);
@@ -397,14 +385,13 @@ TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF}), vert + leaf);
 }
 
-TEST(CompressionStatistics, MeshesWithoutGridsUseOneCache)
-{
+TEST(CompressionStatistics, MeshesWithoutGridsUseOneCache) {
   Device device;
   Random random(13);
   DicedMesh mesh; // triangles that share no vertices
   for (unsigned i = 0; i < 900; i++)
     mesh.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
-  for (unsigned i = 0; i < 300; i++) mesh.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  for (unsigned i = 0; i < 300; i++) mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   const MeshScene scene(device, mesh, RTC_COMPRESSION_CVERT);
   const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
   EXPECT_EQ(stats.numIrregularQuads, 150u);
@@ -413,8 +400,7 @@ TEST(CompressionStatistics, MeshesWithoutGridsUseOneCache)
 }
 
 // The types of blocks decide, not statistics, which are optional in files.
-TEST(CompressionStatistics, CachesPerThreadOfFilesWithoutCounts)
-{
+TEST(CompressionStatistics, CachesPerThreadOfFilesWithoutCounts) {
   const auto bytesIn = [](Device& device, RTCGeometry geometry, bool hasCounts) {
     Scene scene(device);
     attach(scene, geometry);
@@ -426,7 +412,7 @@ TEST(CompressionStatistics, CachesPerThreadOfFilesWithoutCounts)
     SCOPED_TRACE(saveable.name);
     const Folder folder;
     Device device;
-    const std::string path = folder/"geometry";
+    const std::string path = folder / "geometry";
     RTCGeometry geometry = saveable.make(device);
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str())) << device.message;
     const size_t bytes = bytesIn(device, geometry, true);
@@ -443,8 +429,7 @@ TEST(CompressionStatistics, CachesPerThreadOfFilesWithoutCounts)
 }
 
 // The frame level of a face is determined by its roughest sub-patch.
-TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
-{
+TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch) {
   Device device;
   const Cage cage = prismCage(5);
   for (unsigned rough = 0; rough < 5; rough++) {
@@ -462,9 +447,9 @@ TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
       const unsigned wanted = unsigned(((const Displacement*)args->geometryUserPtr)->frequency);
       for (unsigned i = 0; i < args->N; i++) {
         // corner k of an n-gon is at (2 (k%4) + 1/2, 2 (k/4) + 1/2)
-        const float su = std::floor((args->u[i] - 0.25f)/2), sv = std::floor((args->v[i] - 0.25f)/2);
-        if (args->primID < 2 && unsigned(su + 4*sv) == wanted)
-          args->P_z[i] += 0.02f*std::sin(8*args->u[i])*std::sin(6*args->v[i]);
+        const float su = std::floor((args->u[i] - 0.25f) / 2), sv = std::floor((args->v[i] - 0.25f) / 2);
+        if (args->primID < 2 && unsigned(su + 4 * sv) == wanted)
+          args->P_z[i] += 0.02f * std::sin(8 * args->u[i]) * std::sin(6 * args->v[i]);
       }
     });
     rtcCommitGeometry(geometry);
@@ -473,10 +458,9 @@ TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
     rtcCommitScene(scene);
     EXPECT_LE(statisticsOf(scene).maxLeafThickness, settings.maxError) << "sub-patch " << rough;
     EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads)
-      << "the bound holds before blocks have one quad";
+        << "the bound holds before blocks have one quad";
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

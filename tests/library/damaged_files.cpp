@@ -21,20 +21,18 @@
 #include <sys/wait.h>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // A cVERT block of floats: a sheet of quads at z = 0, and boxes that are larger by `margin`. A moving block has two
 // equal time steps.
-std::string rawBlock(const cvert::VertHeader& header, float x, float size, float margin)
-{
+std::string rawBlock(const cvert::VertHeader& header, float x, float size, float margin) {
   using namespace cvert;
   const VertLayout layout = vertLayout(header.region, header.info);
   const unsigned quads = vertQuadsX(header.region);
   std::vector<float> vertices, boxes;
   for (unsigned j = 0; j <= quads; j++)
     for (unsigned i = 0; i <= quads; i++)
-      vertices.insert(vertices.end(), {x + size*float(i)/float(quads), size*float(j)/float(quads), 0});
+      vertices.insert(vertices.end(), {x + size * float(i) / float(quads), size * float(j) / float(quads), 0});
   for (float plane : {x - margin, -margin, -margin, x + size + margin, size + margin, margin})
     boxes.insert(boxes.end(), layout.groups, plane);
   std::string bytes;
@@ -42,53 +40,47 @@ std::string rawBlock(const cvert::VertHeader& header, float x, float size, float
   append(&header, sizeof(header));
   const VertMotion motion = {0, 1, 2, layout.rawBytes};
   if (isMoving(header.info)) append(&motion, sizeof(motion));
-  append(vertices.data(), vertices.size()*sizeof(float));
-  append(boxes.data(), boxes.size()*sizeof(float));
+  append(vertices.data(), vertices.size() * sizeof(float));
+  append(boxes.data(), boxes.size() * sizeof(float));
   if (!isMoving(header.info)) return bytes;
   const uint32_t offset = uint32_t(bytes.size() + sizeof(offset));
   VertStep step = {};
   step.info = rawInfo;
   append(&offset, sizeof(offset));
   append(&step, sizeof(step));
-  append(vertices.data(), vertices.size()*sizeof(float));
+  append(vertices.data(), vertices.size() * sizeof(float));
   return bytes;
 }
 
 // Traces a ray in a new thread, which has no decoded blocks.
-RTCRayHit intersectUncached(RTCScene scene, const RTCRayHit& ray)
-{
+RTCRayHit intersectUncached(RTCScene scene, const RTCRayHit& ray) {
   RTCRayHit traced;
   std::thread([&] { traced = intersect(scene, ray); }).join();
   return traced;
 }
 
-class DamagedFiles : public testing::Test
-{
+class DamagedFiles : public testing::Test {
 protected:
-  DamagedFiles()
-  {
+  DamagedFiles() {
     RTCGeometry geometry = allSaveable()[0].make(device);
     EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
     sound = bytesOf(path);
   }
 
-  void expectError(const std::string& file, std::vector<std::string> parts)
-  {
+  void expectError(const std::string& file, std::vector<std::string> parts) {
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
     parts.insert(parts.begin(), file);
     EXPECT_TRUE(containsInOrder(device.message, parts));
   }
 
-  void expectRefused(const std::string& bytes, const std::vector<std::string>& parts)
-  {
+  void expectRefused(const std::string& bytes, const std::vector<std::string>& parts) {
     writeBytes(path, bytes);
     EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
     expectError(path, parts);
   }
 
-  void loadInto(RTCScene scene)
-  {
+  void loadInto(RTCScene scene) {
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
     attach(scene, geometry);
@@ -99,8 +91,7 @@ protected:
   // Writes a file with two blocks: a sheet over the unit square and, in its bytes at innerOffset, a quad at x = -11
   // to -10. The quad's surface number is also the z of vertex 2 of the sheet: about 2 in the file, and almost 0 if the
   // library replaces the number.
-  void writeBlockInAnotherOne(bool moves)
-  {
+  void writeBlockInAnotherOne(bool moves) {
     using namespace cvert;
     FileBytes file(sound);
     FileGeometry& record = file.record(0);
@@ -120,7 +111,7 @@ protected:
     innerOffset = vertLayout(header.region, header.info).vertices + 16;
     header.region = packRegion(1, 1, 0, 0);
     header.patchQuads = packPatchQuads(1, 1);
-    header.origin[2] = 2/16.0f; // x of vertex 2; the two numbers before are y and z of vertex 1
+    header.origin[2] = 2 / 16.0f; // x of vertex 2; the two numbers before are y and z of vertex 1
     const std::string inner = rawBlock(header, -11, 1, 0.1f);
     blocks.replace(innerOffset, inner.size(), inner);
     ASSERT_EQ(versionOfCorners(header.corners[4], header.corners[5]), vertFormatVersion);
@@ -143,19 +134,18 @@ protected:
   Folder folder;
   Device device;
   size_t innerOffset = 0;
-  const std::string path = folder/"surface.cbvh";
+  const std::string path = folder / "surface.cbvh";
   std::string sound;
 };
 
-TEST_F(DamagedFiles, AreRejectedWithTheReason)
-{
+TEST_F(DamagedFiles, AreRejectedWithTheReason) {
   expectRefused("", {" 0 bytes"});
   expectRefused("mesh", {" 4 bytes"});
   expectRefused(std::string(100000, 'x'), {"surfaces"});
   const auto sizes = [&](size_t bytes) {
     return std::vector<std::string>{" " + std::to_string(bytes) + " bytes", " " + std::to_string(sound.size())};
   };
-  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50)
+  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size() / 50)
     expectRefused(sound.substr(0, bytes), sizes(bytes));
   expectRefused(sound.substr(0, sound.size() - 1), sizes(sound.size() - 1));
   expectRefused(sound + "x", sizes(sound.size() + 1));
@@ -167,8 +157,7 @@ TEST_F(DamagedFiles, AreRejectedWithTheReason)
   expectError(folder.path, {"folder", "regular"});
 }
 
-TEST_F(DamagedFiles, OtherVersionsAreRejected)
-{
+TEST_F(DamagedFiles, OtherVersionsAreRejected) {
   FileBytes file(sound);
   const auto with = [&](auto member, uint32_t value) {
     FileBytes other(sound);
@@ -183,24 +172,25 @@ TEST_F(DamagedFiles, OtherVersionsAreRejected)
   const Header& header = file.header();
   expectVersion(&Header::version, "files", header.version + 1, header.version);
   expectVersion(&Header::version, "files", header.version - 1, header.version);
-  expectVersion(
-    &Header::vertVersion, "cVERT", cvert::movingMeshFormatVersion + 1, cvert::movingMeshFormatVersion);
+  expectVersion(&Header::vertVersion, "cVERT", cvert::movingMeshFormatVersion + 1, cvert::movingMeshFormatVersion);
   expectVersion(&Header::vertVersion, "cVERT", header.vertVersion - 1, header.vertVersion);
   expectVersion(&Header::framedVersion, "frames", header.framedVersion + 1, header.framedVersion);
   expectRefused(with(&Header::byteOrder, __builtin_bswap32(header.byteOrder)), {"little-endian"});
 }
 
-TEST_F(DamagedFiles, AnyModifiedByteIsDetected)
-{
+TEST_F(DamagedFiles, AnyModifiedByteIsDetected) {
   Random random(21);
   FileBytes file(sound);
   const auto& record = file.record(0);
   const auto alter = [&](size_t begin, size_t end, size_t count, bool isRefused) {
     for (size_t i = 0; i < count; i++) {
       std::string bytes = sound;
-      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^= char(
-        1 << random.below(8));
-      if (isRefused) { expectRefused(bytes, {}); continue; }
+      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^=
+          char(1 << random.below(8));
+      if (isRefused) {
+        expectRefused(bytes, {});
+        continue;
+      }
       writeBytes(path, bytes);
       RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
       ASSERT_NE(opened, nullptr) << device.message;
@@ -215,8 +205,7 @@ TEST_F(DamagedFiles, AnyModifiedByteIsDetected)
   alter(record.blocks, record.blocks + record.blockBytes, 100, false);
 }
 
-TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
-{
+TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError) {
   Random random(5);
   const std::vector<RTCRayHit> rays = raysAt(random, 400);
   const auto trace = [&] {
@@ -237,7 +226,10 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
     std::memcpy(&child, &file.bytes[record.tree + i], sizeof(child));
     if (i % 128 >= 32 || (child & 15) != cvert::FILE_VERT) continue;
     cvert::VertHeader& block = *(cvert::VertHeader*)&file.bytes[record.blocks + (child & ~uint64_t(15))];
-    if (block.primID == 3) { block.primID = record.numPrimitives; altered++; }
+    if (block.primID == 3) {
+      block.primID = record.numPrimitives;
+      altered++;
+    }
   }
   ASSERT_GT(altered, 4u);
   writeBytes(path, file.bytes);
@@ -247,9 +239,7 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
   expectError(path, {"geometry 0:", "primitive 6 ", " 6"});
   size_t others = 0;
   for (size_t i = 0; i < rays.size(); i++) {
-    if (isHit(after[i])) {
-      ASSERT_NE(after[i].hit.primID, 3u);
-    }
+    if (isHit(after[i])) { ASSERT_NE(after[i].hit.primID, 3u); }
     if (!isHit(before[i]) || before[i].hit.primID == 3) continue;
     others++;
     ASSERT_EQ(after[i].hit.primID, before[i].hit.primID);
@@ -259,8 +249,7 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
 }
 
 // As left by a failed disk: blocks are invalid, and any query reports them.
-TEST_F(DamagedFiles, PageOfZerosIsReported)
-{
+TEST_F(DamagedFiles, PageOfZerosIsReported) {
   Random random(6);
   const std::vector<RTCRayHit> rays = raysAt(random, 3000);
   for (const Saveable& saveable : allSaveable()) {
@@ -270,7 +259,7 @@ TEST_F(DamagedFiles, PageOfZerosIsReported)
     rtcReleaseGeometry(geometry);
     FileBytes file(bytesOf(path));
     const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes),
-                 first = file.record(0).blocks + (file.record(0).blockBytes - bytes)/2/16*16;
+                 first = file.record(0).blocks + (file.record(0).blockBytes - bytes) / 2 / 16 * 16;
     std::fill_n(file.bytes.begin() + ptrdiff_t(first), bytes, '\0');
     writeBytes(path, file.bytes);
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
@@ -289,8 +278,7 @@ TEST_F(DamagedFiles, PageOfZerosIsReported)
 }
 
 // Parameters of hits depend on the position of the patch in its face.
-TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
-{
+TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut) {
   Random random(7);
   const std::vector<RTCRayHit> rays = raysAt(random, 2000);
   for (RTCCompression compression : {RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CGRID})
@@ -304,9 +292,9 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
       rtcReleaseGeometry(geometry);
       FileBytes file(bytesOf(path));
       const auto& record = file.record(0);
-      const size_t stride = record.blockBytes/6;
+      const size_t stride = record.blockBytes / 6;
       for (size_t i = 0; i < 6; i++) {
-        embree::cbvh::BlockHeader& block = *(embree::cbvh::BlockHeader*)&file.bytes[record.blocks + i*stride];
+        embree::cbvh::BlockHeader& block = *(embree::cbvh::BlockHeader*)&file.bytes[record.blocks + i * stride];
         block.tiling = embree::cbvh::blockTiling(0, 0, u, v);
       }
       writeBytes(path, file.bytes);
@@ -319,8 +307,7 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
 }
 
 // The owner of a block is found by its address, which must not lead to a geometry without blocks.
-TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother)
-{
+TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother) {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());
   for (int i = 0; i < 2; i++) { ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message; }
@@ -350,12 +337,11 @@ TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother)
 }
 
 // A surface number would be written into the inner block, and so into the outer one, which may be in use.
-TEST_F(DamagedFiles, BlocksThatOverlapDoNotChangeEachOther)
-{
+TEST_F(DamagedFiles, BlocksThatOverlapDoNotChangeEachOther) {
   ASSERT_NO_FATAL_FAILURE(writeBlockInAnotherOne(false));
   RTCGeometry owner = rtcLoadCompressedGeometry(device, path.c_str()); // has the file's surface number
   ASSERT_NE(owner, nullptr) << device.message;
-  const RTCRayHit rays[] = {makeRay({1.7f/16, 0.2f/16, 10}, {0, 0, -1}), makeRay({-10.75f, 0.25f, 10}, {0, 0, -1})};
+  const RTCRayHit rays[] = {makeRay({1.7f / 16, 0.2f / 16, 10}, {0, 0, -1}), makeRay({-10.75f, 0.25f, 10}, {0, 0, -1})};
   for (unsigned first : {0u, 1u}) { // the outer block is reached first, or the inner one
     SCOPED_TRACE(first);
     Scene scene(device);
@@ -377,8 +363,7 @@ TEST_F(DamagedFiles, BlocksThatOverlapDoNotChangeEachOther)
 }
 
 // Moving blocks are checked when they are loaded.
-TEST_F(DamagedFiles, MovingBlocksThatOverlapAreRejected)
-{
+TEST_F(DamagedFiles, MovingBlocksThatOverlapAreRejected) {
   ASSERT_NO_FATAL_FAILURE(writeBlockInAnotherOne(true));
   RTCGeometry owner = rtcLoadCompressedGeometry(device, path.c_str()); // has the file's surface number
   ASSERT_NE(owner, nullptr) << device.message;
@@ -387,8 +372,7 @@ TEST_F(DamagedFiles, MovingBlocksThatOverlapAreRejected)
   rtcReleaseGeometry(owner);
 }
 
-TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow)
-{
+TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow) {
   FileBytes file(sound);
   file.record(0).counts[14] = 5; // numMeshQuads
   file.record(0).counts[15] = 9; // numIrregularQuads
@@ -407,8 +391,7 @@ TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow)
   EXPECT_TRUE(containsInOrder(lineWith(output, " of 5 quads"), {" 0 of 5 quads", " 5 "})) << output;
 }
 
-TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
-{
+TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame) {
   using embree::cbvh::BlockHeader;
   Random random(8);
   SurfaceSettings settings;
@@ -418,24 +401,23 @@ TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
   rtcReleaseGeometry(geometry);
   const std::string bytes = bytesOf(path);
   const auto makeConstant = [](BlockHeader& block) {
-    for (float (&column)[4] : block.columns)
+    for (float(&column)[4] : block.columns)
       for (int k = 0; k < 3; k++) column[k] = 0;
   };
   const std::pair<const char*, std::function<void(BlockHeader&)>> cases[] = {
-    {"center", [](BlockHeader& block) { block.center[1] = INFINITY; }},
-    {"column", [](BlockHeader& block) { block.columns[2][3] = NAN; }},
-    {"depend", makeConstant},
-    {"depend",
-     [&](BlockHeader& block) { // points on a line
-       makeConstant(block);
-       block.columns[0][3] = 0.5f;
-     }}};
+      {"center", [](BlockHeader& block) { block.center[1] = INFINITY; }},
+      {"column", [](BlockHeader& block) { block.columns[2][3] = NAN; }},
+      {"depend", makeConstant},
+      {"depend",
+       [&](BlockHeader& block) { // points on a line
+         makeConstant(block);
+         block.columns[0][3] = 0.5f;
+       }}};
   for (const auto& [cause, damage] : cases) {
     SCOPED_TRACE(cause);
     FileBytes file(bytes);
     const auto& record = file.record(0);
-    for (size_t i = 0; i < 6; i++)
-      damage(*(BlockHeader*)&file.bytes[record.blocks + i*(record.blockBytes/6)]);
+    for (size_t i = 0; i < 6; i++) damage(*(BlockHeader*)&file.bytes[record.blocks + i * (record.blockBytes / 6)]);
     writeBytes(path, file.bytes);
     Scene scene(device);
     loadInto(scene);
@@ -446,8 +428,7 @@ TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame)
 }
 
 // The index of rtcFindCompressedTriangle is not larger for larger primitive numbers.
-TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory)
-{
+TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory) {
   const auto peakKiB = [] {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -473,9 +454,8 @@ TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory)
       char* const block = &file.bytes[record.blocks + (child & ~uint64_t(cvert::FILE_CHILD_MASK))];
       if (isMesh(cvert::FileChild(child & cvert::FILE_CHILD_MASK))) {
         cvert::MeshHeader& header = *(cvert::MeshHeader*)block;
-        header.primID += header.info & cvert::meshHasQuads ? 2*added : added; // numbers of triangles, two per quad
-      }
-      else ((cvert::VertHeader*)block)->primID += added;
+        header.primID += header.info & cvert::meshHasQuads ? 2 * added : added; // numbers of triangles, two per quad
+      } else ((cvert::VertHeader*)block)->primID += added;
       altered++;
     }
     record.numPrimitives += added;
@@ -492,7 +472,7 @@ TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory)
       ASSERT_FALSE(rtcFindCompressedTriangle(loaded, 0, primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
       found++;
     }
-    EXPECT_LT(peakKiB() - before, 100*1024);
+    EXPECT_LT(peakKiB() - before, 100 * 1024);
     rtcReleaseGeometry(loaded);
     rtcReleaseGeometry(geometry);
   }
@@ -501,8 +481,7 @@ TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
-{
+TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely) {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;
   const std::vector<Saveable> all = allSaveable();
   for (size_t kind = 0; kind < all.size(); kind++) {
@@ -514,7 +493,7 @@ TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
     Random random(randomSeed(uint32_t(100 + kind)));
     for (size_t round = 0; round < randomRounds(40); round++) {
       writeBytes(path, mutated(random, bytes));
-      const Trial trial = tryFile(device, path, folder/"copy", random);
+      const Trial trial = tryFile(device, path, folder / "copy", random);
       (trial.isLoaded ? loaded : refused)++;
       hits += trial.hits;
       withErrors += trial.isLoaded && trial.errors;
@@ -529,60 +508,57 @@ TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
 
 // --- disks -------------------------------------------------------------------------------------------
 
-TEST_F(DamagedFiles, FullDiskLeavesTheOldFile)
-{
+TEST_F(DamagedFiles, FullDiskLeavesTheOldFile) {
   const std::string old = "previous contents";
-  for (size_t limit : {0ul, 100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
+  for (size_t limit : {0ul, 100ul, 5000ul, sound.size() / 2, sound.size() - 100}) {
     SCOPED_TRACE(limit);
     writeBytes(path, sound);
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
     ASSERT_NE(geometry, nullptr);
-    writeBytes(folder/"other", old);
+    writeBytes(folder / "other", old);
     const int status = statusOfChild([&] {
       signal(SIGXFSZ, SIG_IGN);
       const rlimit full = {limit, limit};
       setrlimit(RLIMIT_FSIZE, &full);
-      if (rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) return 1;
+      if (rtcSaveCompressedGeometry(geometry, (folder / "other").c_str())) return 1;
       if (device.takeError() != RTC_ERROR_INVALID_OPERATION) return 2;
-      return containsInOrder(device.message, {folder/"other", std::strerror(EFBIG)}) ? 0 : 3;
+      return containsInOrder(device.message, {folder / "other", std::strerror(EFBIG)}) ? 0 : 3;
     });
     EXPECT_EQ(status, 0);
-    EXPECT_EQ(bytesOf(folder/"other"), old);
+    EXPECT_EQ(bytesOf(folder / "other"), old);
     EXPECT_EQ(folder.names().size(), 2u) << "a temporary file was left";
     rtcReleaseGeometry(geometry);
   }
 }
 
-TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile)
-{
+TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile) {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
   const std::string old = "previous contents";
   // killed after each of these numbers of bytes
   size_t killed = 0;
-  for (size_t limit : {100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
-    writeBytes(folder/"other", old);
+  for (size_t limit : {100ul, 5000ul, sound.size() / 2, sound.size() - 100}) {
+    writeBytes(folder / "other", old);
     const int status = statusOfChild([&] {
       bytesUntilKill = long(limit);
-      rtcSaveCompressedGeometry(geometry, (folder/"other").c_str());
+      rtcSaveCompressedGeometry(geometry, (folder / "other").c_str());
       return 1;
     });
     killed += WIFSIGNALED(status) != 0;
-    EXPECT_EQ(bytesOf(folder/"other"), old);
+    EXPECT_EQ(bytesOf(folder / "other"), old);
   }
   EXPECT_EQ(killed, 4u);
   // remaining temporary files do not disturb, and are removed
-  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) << device.message;
+  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "other").c_str())) << device.message;
   EXPECT_EQ(folder.names().size(), 2u);
-  EXPECT_EQ(bytesOf(folder/"other"), sound);
+  EXPECT_EQ(bytesOf(folder / "other"), sound);
   rtcReleaseGeometry(geometry);
 }
 
-TEST_F(DamagedFiles, UnwritableFoldersAreReported)
-{
+TEST_F(DamagedFiles, UnwritableFoldersAreReported) {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
-  for (const std::string& to : {folder/"none/file", folder/"surface.cbvh/file", std::string("/proc/surface.cbvh"),
+  for (const std::string& to : {folder / "none/file", folder / "surface.cbvh/file", std::string("/proc/surface.cbvh"),
                                 std::string("/dev/null"), folder.path, std::string()}) {
     EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, to.c_str()));
     expectError(to, {});
@@ -598,18 +574,17 @@ TEST_F(DamagedFiles, UnwritableFoldersAreReported)
   rtcReleaseGeometry(geometry);
 }
 
-TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
-{
+TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode) {
   chmod(path.c_str(), 0440);
   // a second geometry writes to its own pages
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()),
               second = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   ASSERT_NE(second, nullptr) << device.message;
-  ASSERT_EQ(symlink("surface.cbvh", (folder/"link").c_str()), 0);
-  EXPECT_TRUE(rtcSaveCompressedGeometry(second, (folder/"link").c_str())) << device.message;
+  ASSERT_EQ(symlink("surface.cbvh", (folder / "link").c_str()), 0);
+  EXPECT_TRUE(rtcSaveCompressedGeometry(second, (folder / "link").c_str())) << device.message;
   struct stat status;
-  ASSERT_EQ(lstat((folder/"link").c_str(), &status), 0);
+  ASSERT_EQ(lstat((folder / "link").c_str(), &status), 0);
   EXPECT_TRUE(S_ISLNK(status.st_mode)) << "the link was replaced";
   ASSERT_EQ(stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0440u);
@@ -619,8 +594,7 @@ TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
 }
 
 // The first block is in one of the halves: damage of the other one is detected after some clusters.
-TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
-{
+TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage) {
   const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {
     RTCCompressedClusterStatistics& sums = *(RTCCompressedClusterStatistics*)ptr;
     sums.numClusters++;
@@ -631,7 +605,7 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
   size_t most = 0;
   for (int half : {0, 1}) {
     FileBytes file(sound);
-    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    const uint64_t bytes = file.record(0).blockBytes / 2, begin = file.record(0).blocks + (half ? bytes : 0);
     std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
     writeBytes(path, file.bytes);
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
@@ -651,8 +625,7 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
 }
 
 // A function that returns false needs no further blocks: the library neither reads nor checks them.
-TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead)
-{
+TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead) {
   const RTCCompressedPartFunction countOne = [](void* calls, const RTCCompressedPart*) {
     ++*(size_t*)calls;
     return false;
@@ -664,7 +637,7 @@ TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead)
   size_t most = 0;
   for (int half : {0, 1}) { // the order of blocks is unspecified: one half begins with a valid block
     FileBytes file(sound);
-    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    const uint64_t bytes = file.record(0).blockBytes / 2, begin = file.record(0).blocks + (half ? bytes : 0);
     std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
     writeBytes(path, file.bytes);
     size_t ended = 0, all = 0;
@@ -683,8 +656,7 @@ TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead)
   EXPECT_GT(most, 0u);
 }
 
-TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile)
-{
+TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile) {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());
   EXPECT_TRUE(rtcAppendCompressedGeometry(writer, geometry));
@@ -698,5 +670,4 @@ TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile)
   rtcReleaseGeometry(geometry);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,14 +12,12 @@
 
 #include <limits>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
 
 // Looks along -z, with 512 x 512 pixels and a field of view of 90 degrees.
-RTCDicingArguments cameraAt(float x, float y, float z)
-{
+RTCDicingArguments cameraAt(float x, float y, float z) {
   RTCDicingArguments args;
   rtcInitDicingArguments(&args);
   args.position[0] = x;
@@ -27,15 +25,14 @@ RTCDicingArguments cameraAt(float x, float y, float z)
   args.position[2] = z;
   args.direction[2] = -1;
   args.width = args.height = 512;
-  args.pixelSize = 2.0f/512;
+  args.pixelSize = 2.0f / 512;
   return args;
 }
 
-struct Surface
-{
+struct Surface {
   Surface(Device& device, const Cage& cage, RTCDisplacementFunctionN displacement = nullptr)
-    : device(device), cage(cage)
-  {
+    : device(device),
+      cage(cage) {
     SurfaceSettings settings;
     geometry = newSurface(device, cage, settings);
     rtcSetGeometryDisplacementFunction(geometry, displacement);
@@ -43,8 +40,7 @@ struct Surface
   }
   ~Surface() { rtcReleaseGeometry(geometry); }
 
-  std::vector<float> rates(const RTCDicingArguments& args)
-  {
+  std::vector<float> rates(const RTCDicingArguments& args) {
     rtcDiceGeometry(geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const float* const levels = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
@@ -57,8 +53,7 @@ struct Surface
   RTCGeometry geometry;
 };
 
-void expectPowersOfTwo(const std::vector<float>& rates)
-{
+void expectPowersOfTwo(const std::vector<float>& rates) {
   for (float rate : rates) {
     EXPECT_GE(rate, 1.0f);
     EXPECT_LE(rate, 4096.0f);
@@ -66,13 +61,12 @@ void expectPowersOfTwo(const std::vector<float>& rates)
   }
 }
 
-void expectAgreement(const Cage& cage, const std::vector<float>& rates)
-{
+void expectAgreement(const Cage& cage, const std::vector<float>& rates) {
   std::map<std::pair<unsigned, unsigned>, float> rateOf;
   size_t begin = 0;
   for (unsigned n : cage.faces) {
     for (unsigned i = 0; i < n; i++) {
-      const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i + 1)%n];
+      const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i + 1) % n];
       const float rate = rateOf.emplace(std::minmax(a, b), rates[begin + i]).first->second;
       EXPECT_EQ(rate, rates[begin + i]) << "edge " << a << ", " << b;
     }
@@ -80,8 +74,7 @@ void expectAgreement(const Cage& cage, const std::vector<float>& rates)
   }
 }
 
-TEST(Dicing, QuadsHaveRequestedSize)
-{
+TEST(Dicing, QuadsHaveRequestedSize) {
   Device device;
   Surface surface(device, quadCage()); // 1 x 1
   for (float height : {0.5f, 1.0f, 3.0f, 10.0f})
@@ -90,16 +83,16 @@ TEST(Dicing, QuadsHaveRequestedSize)
       args.quadSize = size;
       const std::vector<float> rates = surface.rates(args);
       expectPowersOfTwo(rates);
-      const float wanted = 1/(height*args.pixelSize*size); // directly below the camera; quads farther away look smaller
+      const float wanted =
+          1 / (height * args.pixelSize * size); // directly below the camera; quads farther away look smaller
       for (float rate : rates) {
-        EXPECT_LE(rate, 1.5f*wanted) << height << ", " << size;
-        EXPECT_GE(rate, wanted/2.2f) << height << ", " << size; // corners are up to 1.73 times as far away
+        EXPECT_LE(rate, 1.5f * wanted) << height << ", " << size;
+        EXPECT_GE(rate, wanted / 2.2f) << height << ", " << size; // corners are up to 1.73 times as far away
       }
     }
 }
 
-TEST(Dicing, NeighborsAgreeAndNearFacesAreFiner)
-{
+TEST(Dicing, NeighborsAgreeAndNearFacesAreFiner) {
   Device device;
   for (const auto& c : closedCages) {
     SCOPED_TRACE(c.name);
@@ -113,13 +106,12 @@ TEST(Dicing, NeighborsAgreeAndNearFacesAreFiner)
   }
 }
 
-TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound)
-{
+TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound) {
   Device device;
   Surface surface(device, quadCage());
   for (float width : {6.0f, 2.0f, 0.35f, 0.13f}) { // of the picture at distance 1
     RTCDicingArguments all = cameraAt(0.5f, 0.5f, 2);
-    all.pixelSize = width/512;
+    all.pixelSize = width / 512;
     RTCDicingArguments outside = all;
     all.width = all.height = 0; // no picture bounds: all directions
     const float seen = surface.rates(all)[0];
@@ -128,41 +120,40 @@ TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound)
     for (size_t i = 0; i < (width < 1 ? directions.size() : 4); i++) {
       SCOPED_TRACE(testing::Message() << "width " << width << ", direction " << i);
       std::copy_n(directions[i].data(), 3, outside.direction);
-      outside.up[0] = 0; outside.up[1] = i == 2 || i == 3 ? 0 : 1; outside.up[2] = i == 2 || i == 3 ? 1 : 0;
+      outside.up[0] = 0;
+      outside.up[1] = i == 2 || i == 3 ? 0 : 1;
+      outside.up[2] = i == 2 || i == 3 ? 1 : 0;
       for (float factor : {1.0f, 4.0f, 16.0f}) {
         outside.outsideFactor = factor;
-        EXPECT_EQ(surface.rates(outside)[0], seen/factor) << "factor " << factor;
+        EXPECT_EQ(surface.rates(outside)[0], seen / factor) << "factor " << factor;
       }
     }
   }
 }
 
 // The picture shows a small part of a face whose border is far outside of it.
-TEST(Dicing, FaceIsAsFineAsItsVisiblePart)
-{
+TEST(Dicing, FaceIsAsFineAsItsVisiblePart) {
   Device device;
   Surface surface(device, quadCage(20));
   const RTCDicingArguments args = cameraAt(9.3f, 8.6f, 1);
   const std::vector<float> rates = surface.rates(args);
   for (int i = 0; i < 2; i++) // of two opposite edges, the higher rate determines the quads of the face
-    EXPECT_GE(std::max(rates[i], rates[i + 2]), 0.5f*std::min(4096.0f, 20/args.pixelSize));
+    EXPECT_GE(std::max(rates[i], rates[i + 2]), 0.5f * std::min(4096.0f, 20 / args.pixelSize));
 }
 
-TEST(Dicing, LengthOfDisplacedSurfaceCounts)
-{
+TEST(Dicing, LengthOfDisplacedSurfaceCounts) {
   Device device;
   const auto waves = [](const RTCDisplacementFunctionNArguments* args) {
     // no displacement at v = 0 and v = 1
     for (unsigned i = 0; i < args->N; i++)
-      args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]);
+      args->P_z[i] += 0.2f * std::sin(30 * args->u[i]) * std::sin(float(M_PI) * args->v[i]);
   };
   const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 4);
   Surface flat(device, quadCage()), displaced(device, quadCage(), waves);
-  EXPECT_GE(displaced.rates(args)[0], 2*flat.rates(args)[0]);
+  EXPECT_GE(displaced.rates(args)[0], 2 * flat.rates(args)[0]);
 }
 
-TEST(Dicing, MaxRateIsRespected)
-{
+TEST(Dicing, MaxRateIsRespected) {
   Device device;
   Surface surface(device, cubeCage());
   RTCDicingArguments args = cameraAt(0, 0, 3);
@@ -184,8 +175,7 @@ TEST(Dicing, MaxRateIsRespected)
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 2048.0f);
 }
 
-TEST(Dicing, TinyPixelsGiveTheHighestRate)
-{
+TEST(Dicing, TinyPixelsGiveTheHighestRate) {
   Device device;
   Surface surface(device, quadCage());
   for (bool orthographic : {false, true})
@@ -198,8 +188,7 @@ TEST(Dicing, TinyPixelsGiveTheHighestRate)
     }
 }
 
-TEST(Dicing, OrthographicCameraIgnoresDistance)
-{
+TEST(Dicing, OrthographicCameraIgnoresDistance) {
   Device device;
   Surface surface(device, quadCage());
   RTCDicingArguments args = cameraAt(0.5f, 0.5f, 1);
@@ -210,13 +199,12 @@ TEST(Dicing, OrthographicCameraIgnoresDistance)
   EXPECT_EQ(near, std::vector<float>(4, 256)); // pixels are 1/256 wide
 }
 
-TEST(Dicing, TransformOfInstanceIsApplied)
-{
+TEST(Dicing, TransformOfInstanceIsApplied) {
   Device device;
   Surface surface(device, quadCage());
   RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
   const std::vector<float> here = surface.rates(args);
-  const float moved[12] = {0,3,0, -3,0,0, 0,0,3, 10,20,30}; // rotated and scaled by three
+  const float moved[12] = {0, 3, 0, -3, 0, 0, 0, 0, 3, 10, 20, 30}; // rotated and scaled by three
   args.transform = moved;
   args.position[0] = 10 - 1.5f;
   args.position[1] = 20 + 1.5f;
@@ -224,8 +212,7 @@ TEST(Dicing, TransformOfInstanceIsApplied)
   EXPECT_EQ(surface.rates(args), here);
 }
 
-TEST(Dicing, RatesAreValidOnTheSurfaceAndForNonFiniteVertices)
-{
+TEST(Dicing, RatesAreValidOnTheSurfaceAndForNonFiniteVertices) {
   Device device;
   Surface cube(device, cubeCage());
   for (float z : {0.0f, 0.5f, 0.7f, 0.8f, 1.0f}) expectPowersOfTwo(cube.rates(cameraAt(0, 0, z)));
@@ -239,8 +226,7 @@ TEST(Dicing, RatesAreValidOnTheSurfaceAndForNonFiniteVertices)
   }
 }
 
-TEST(Dicing, ClosedSurfacesStayClosed)
-{
+TEST(Dicing, ClosedSurfacesStayClosed) {
   Device device("subdiv_accel=cbvh.vert");
   for (const auto& c : closedCages) {
     SCOPED_TRACE(c.name);
@@ -268,13 +254,13 @@ TEST(Dicing, ClosedSurfacesStayClosed)
 }
 
 // The common scale of model and camera, and the length of directions.
-TEST(Dicing, RatesDoNotDependOnTheScale)
-{
+TEST(Dicing, RatesDoNotDependOnTheScale) {
   Device device;
   const auto ratesAt = [&](float scale, float length, bool orthographic) {
     Cage cage = prismCage(5);
-    for (Vec& p : cage.positions) for (float& x : p) x *= scale;
-    RTCDicingArguments args = cameraAt(0.3f*scale, 0.2f*scale, 3*scale);
+    for (Vec& p : cage.positions)
+      for (float& x : p) x *= scale;
+    RTCDicingArguments args = cameraAt(0.3f * scale, 0.2f * scale, 3 * scale);
     args.direction[2] = -length;
     for (float& x : args.up) x *= length;
     args.orthographic = orthographic;
@@ -293,8 +279,7 @@ TEST(Dicing, RatesDoNotDependOnTheScale)
   }
 }
 
-TEST(Dicing, InvalidArgumentsAreRejectedByName)
-{
+TEST(Dicing, InvalidArgumentsAreRejectedByName) {
   Device device;
   Surface surface(device, quadCage());
   const auto expectInvalid = [&](const std::vector<std::string>& parts,
@@ -320,7 +305,10 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
     const std::vector<float> transform(12, bad);
     expectInvalid({"transform"}, [&](RTCDicingArguments& a) { a.transform = transform.data(); });
   }
-  expectInvalid({"up"}, [](RTCDicingArguments& a) { a.up[1] = 0; a.up[2] = 5; });
+  expectInvalid({"up"}, [](RTCDicingArguments& a) {
+    a.up[1] = 0;
+    a.up[2] = 5;
+  });
   expectInvalid({"width"}, [](RTCDicingArguments& a) { a.width = -1; });
   const std::vector<float> bounds = {1, 2, nan, 4};
   expectInvalid({"maxRates"}, [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
@@ -340,8 +328,7 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
 }
 
-TEST(Dicing, GeometriesWithoutCageAreRejected)
-{
+TEST(Dicing, GeometriesWithoutCageAreRejected) {
   Device device;
   const Folder folder;
   const RTCDicingArguments args = cameraAt(0, 0, 5);
@@ -354,16 +341,15 @@ TEST(Dicing, GeometriesWithoutCageAreRejected)
   compression.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   rtcSetGeometryCompression(geometry, &compression);
   rtcCommitGeometry(geometry);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"cage").c_str())) << device.message;
-  RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"cage").c_str());
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "cage").c_str())) << device.message;
+  RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder / "cage").c_str());
   ASSERT_NE(loaded, nullptr) << device.message;
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE);
   for (RTCGeometry without : {geometry, loaded}) {
     SCOPED_TRACE(without == loaded ? "loaded" : "released");
     rtcDiceGeometry(without, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << device.message;
-    EXPECT_NE(device.message.find(without == loaded ? "loaded" : "released"), std::string::npos)
-      << device.message;
+    EXPECT_NE(device.message.find(without == loaded ? "loaded" : "released"), std::string::npos) << device.message;
     for (unsigned id : {0u, 5u, 23u, 24u, ~0u}) {
       rtcGetGeometryFace(without, id);
       EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
@@ -381,8 +367,7 @@ TEST(Dicing, GeometriesWithoutCageAreRejected)
 }
 
 // Commits leave out such faces and store the others, which must get the same rates as without them.
-TEST(Dicing, UnsupportedFacesAreIgnored)
-{
+TEST(Dicing, UnsupportedFacesAreIgnored) {
   Device device;
   const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
   const std::vector<float> alone = Surface(device, quadCage()).rates(args);
@@ -398,8 +383,7 @@ TEST(Dicing, UnsupportedFacesAreIgnored)
   }
 }
 
-TEST(Dicing, CagesWithInvalidIndicesAreRejected)
-{
+TEST(Dicing, CagesWithInvalidIndicesAreRejected) {
   Device device;
   Cage cage = cubeCage();
   cage.indices[13] = 1000;
@@ -413,5 +397,4 @@ TEST(Dicing, CagesWithInvalidIndicesAreRejected)
   rtcReleaseGeometry(geometry);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

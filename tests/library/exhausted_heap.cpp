@@ -11,14 +11,12 @@
 
 #include <memory>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-TEST(ExhaustedHeap, LoadedGeometriesAreReleased)
-{
+TEST(ExhaustedHeap, LoadedGeometriesAreReleased) {
   Folder folder;
   Device device;
-  const std::string path = folder/"a.cbvh", damaged = folder/"b.cbvh";
+  const std::string path = folder / "a.cbvh", damaged = folder / "b.cbvh";
   RTCGeometry geometry = allSaveable()[0].make(device);
   ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
   rtcReleaseGeometry(geometry);
@@ -66,5 +64,4 @@ TEST(ExhaustedHeap, LoadedGeometriesAreReleased)
   isExhausted = false;
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

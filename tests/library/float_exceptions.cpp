@@ -13,8 +13,7 @@
 #include "support/same_hits.h"
 #include "support/saved.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 #if defined(CBVH_FLOAT_TRAPS)
 
@@ -23,44 +22,46 @@ class FloatExceptions : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Isas, FloatExceptions, testing::Values(TEST_ISAS), nameOfIsa);
 
 // Rays from all sides, along axes, in planes of faces, from the surface, and short ones.
-std::vector<RTCRayHit> raysOfAllKinds(Random& random, unsigned count)
-{
+std::vector<RTCRayHit> raysOfAllKinds(Random& random, unsigned count) {
   std::vector<RTCRayHit> rays = raysAt(random, count);
   for (unsigned i = 0; i < count; i++) {
     Vec o, d;
     const unsigned zeros = 1 + random.below(6); // mask of components that are 0
     for (unsigned k = 0; k < 3; k++) {
-      o[k] = random.chance(0.3) ? float(random.below(9))/4 - 1 : float(random.uniform(-1, 1));
+      o[k] = random.chance(0.3) ? float(random.below(9)) / 4 - 1 : float(random.uniform(-1, 1));
       d[k] = (zeros >> k) & 1 ? (random.chance(0.5) ? 0.0f : -0.0f) : float(random.uniform(-1, 1));
-      if (random.chance(0.5)) o[k] -= 3*d[k];
+      if (random.chance(0.5)) o[k] -= 3 * d[k];
     }
     rays.push_back(makeRay(o, d, random.chance(0.3) ? 0.5f : 0, random.chance(0.3) ? 2 : INFINITY));
   }
   for (size_t i = 0; i < rays.size(); i += 5) rays[i].ray.time = float(random.uniform());
-  for (size_t i = 1; i < rays.size(); i += 5) rays[i].ray.time = float(random.below(3))/2;
+  for (size_t i = 1; i < rays.size(); i += 5) rays[i].ray.time = float(random.below(3)) / 2;
   return rays;
 }
 
-void queryPoints(RTCScene scene, Random& random, unsigned count)
-{
+void queryPoints(RTCScene scene, Random& random, unsigned count) {
   for (unsigned i = 0; i < count; i++) {
     RTCPointQuery query;
-    query.x = float(random.uniform(-1.2, 1.2)); query.y = random.chance(0.3) ? 0 : float(random.uniform(-1.2, 1.2));
+    query.x = float(random.uniform(-1.2, 1.2));
+    query.y = random.chance(0.3) ? 0 : float(random.uniform(-1.2, 1.2));
     query.z = random.chance(0.3) ? 1 : float(random.uniform(-1.2, 1.2));
     query.time = float(random.uniform());
     query.radius = random.chance(0.3) ? INFINITY : random.chance(0.1) ? 0 : float(random.uniform(0, 0.6));
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene, &query, &context, [](RTCPointQueryFunctionArguments* args) {
-      args->query->radius *= 0.9f;
-      return true;
-    }, nullptr);
+    rtcPointQuery(
+        scene, &query, &context,
+        [](RTCPointQueryFunctionArguments* args) {
+          args->query->radius *= 0.9f;
+          return true;
+        },
+        nullptr);
   }
 }
 
-void addInstances(RTCDevice device, RTCScene top, RTCScene scene)
-{
-  const float transforms[2][12] = {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}};
+void addInstances(RTCDevice device, RTCScene top, RTCScene scene) {
+  const float transforms[2][12] = {{0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0.0625f},
+                                   {0, 1, 0, -1, 0, 0, 0, 0, 1, 0.5f, 0, 0.0625f}};
   for (unsigned timeSteps : {1u, 2u}) {
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, scene);
@@ -75,8 +76,7 @@ void addInstances(RTCDevice device, RTCScene top, RTCScene scene)
 
 // Builds and traces a geometry, alone and in instances, with traps, and expects none.
 template<typename Make>
-void expectNoTraps(const std::string& config, const Make& make)
-{
+void expectNoTraps(const std::string& config, const Make& make) {
   FloatTraps traps;
   Device device(config + ",float_exceptions=1"); // traps in this thread
   ASSERT_TRUE(device);
@@ -109,8 +109,7 @@ void expectNoTraps(const std::string& config, const Make& make)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(FloatExceptions, NoneInAnyFormOfGeometry)
-{
+TEST_P(FloatExceptions, NoneInAnyFormOfGeometry) {
   if (!Device(GetParam())) GTEST_SKIP() << "this machine does not support " << GetParam();
   for (const Saveable& form : allSaveable()) {
     SCOPED_TRACE(form.name);
@@ -119,14 +118,13 @@ TEST_P(FloatExceptions, NoneInAnyFormOfGeometry)
 }
 
 // Cages of all kinds and representations, with and without motion, flat or displaced.
-TEST_P(FloatExceptions, NoneInAnyCage)
-{
+TEST_P(FloatExceptions, NoneInAnyCage) {
   if (!Device(GetParam())) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(78);
   Cage squashed = cubeCage();
   for (Vec& p : squashed.positions) p[2] = 0;
   std::vector<std::pair<std::string, Cage>> cages = {
-    {"quad", quadCage()}, {"sheet", sheetCage(3)}, {"squashed cube", squashed}};
+      {"quad", quadCage()}, {"sheet", sheetCage(3)}, {"squashed cube", squashed}};
   for (const auto& closed : closedCages) cages.push_back({closed.name, closed.cage});
   for (const auto& cage : cages)
     for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL,
@@ -148,8 +146,7 @@ TEST_P(FloatExceptions, NoneInAnyCage)
 }
 
 // Grids and meshes in a plane of two axes, through the origin or not.
-TEST_P(FloatExceptions, NoneInFlatMeshes)
-{
+TEST_P(FloatExceptions, NoneInFlatMeshes) {
   if (!Device(GetParam())) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(79);
   for (float height : {0.0f, 1.0f})
@@ -157,23 +154,23 @@ TEST_P(FloatExceptions, NoneInFlatMeshes)
       for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT}) {
         Diced sheet = dicedSheet(2, 24);
         for (Vec& p : sheet.vertices) p[2] = height;
-        sheet.motion = [](const Vec& p, unsigned step) { return Vec{p[0] + 0.25f*float(step), p[1], p[2]}; };
+        sheet.motion = [](const Vec& p, unsigned step) { return Vec{p[0] + 0.25f * float(step), p[1], p[2]}; };
         DicedMesh quads = meshOf(sheet, QuadOrder::Rows, random), triangles = irregularTriangles(quads, random);
         quads.motion = triangles.motion = sheet.motion;
         const bool isCompressed = compression != RTC_COMPRESSION_NONE;
         const unsigned flags = isCompressed ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : RTC_COMPRESSION_FLAG_NONE;
         const std::string suffix = std::string(isCompressed ? ", compressed, at " : ", at ") + std::to_string(height) +
-          ", " + std::to_string(timeSteps) + " steps";
+                                   ", " + std::to_string(timeSteps) + " steps";
         SCOPED_TRACE(suffix);
         if (isCompressed || timeSteps == 1) { // Embree has no point queries of moving grids
           SCOPED_TRACE("grids");
-          expectNoTraps(GetParam(), [&](RTCDevice device) {
-            return newGrids(device, sheet, compression, flags, timeSteps); });
+          expectNoTraps(GetParam(),
+                        [&](RTCDevice device) { return newGrids(device, sheet, compression, flags, timeSteps); });
         }
         for (const DicedMesh* mesh : {&quads, &triangles}) {
           SCOPED_TRACE(mesh == &quads ? "quads" : "triangles");
-          expectNoTraps(GetParam(), [&](RTCDevice device) {
-            return newMesh(device, *mesh, compression, flags, timeSteps); });
+          expectNoTraps(GetParam(),
+                        [&](RTCDevice device) { return newMesh(device, *mesh, compression, flags, timeSteps); });
         }
       }
 }
@@ -184,5 +181,4 @@ TEST(FloatExceptions, None) { GTEST_SKIP() << "requires x86-64 and Linux"; }
 
 #endif
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

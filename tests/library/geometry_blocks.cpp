@@ -10,23 +10,19 @@
 #include <atomic>
 #include <sys/mman.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-struct CountedDisplacement : Displacement
-{
+struct CountedDisplacement : Displacement {
   std::atomic<size_t> vertices{0};
 
-  static void apply(const RTCDisplacementFunctionNArguments* args)
-  {
+  static void apply(const RTCDisplacementFunctionNArguments* args) {
     ((CountedDisplacement*)(Displacement*)args->geometryUserPtr)->vertices += args->N;
     Displacement::apply(args);
   }
 };
 
 RTCGeometry newCounted(RTCDevice device, CountedDisplacement& displacement,
-                       SurfaceSettings settings = SurfaceSettings())
-{
+                       SurfaceSettings settings = SurfaceSettings()) {
   settings.displacement = &displacement;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   rtcSetGeometryDisplacementFunction(geometry, CountedDisplacement::apply);
@@ -34,16 +30,14 @@ RTCGeometry newCounted(RTCDevice device, CountedDisplacement& displacement,
   return geometry;
 }
 
-void expectCommit(const Device& device, RTCScene scene)
-{
+void expectCommit(const Device& device, RTCScene scene) {
   rtcCommitScene(scene);
   EXPECT_EQ(const_cast<Device&>(device).takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 const char* const kinds[] = {"vert", "leaf", "voxel", "grid"};
 
-TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
-{
+TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt) {
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
     Device device(std::string("subdiv_accel=cbvh.") + kind);
@@ -51,7 +45,7 @@ TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
     CountedDisplacement displacements[3];
     RTCGeometry geometries[3];
     for (int i = 0; i < 3; i++) {
-      displacements[i].offset = {4.f*i, 0, 0};
+      displacements[i].offset = {4.f * i, 0, 0};
       geometries[i] = newCounted(device, displacements[i]);
       attach(scene, geometries[i]);
     }
@@ -90,7 +84,7 @@ TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
     // the surface itself changes
     float* x = (float*)rtcGetGeometryBufferData(geometries[1], RTC_BUFFER_TYPE_VERTEX, 0);
     const float before = intersect(scene, down).ray.tfar;
-    for (int i = 0; i < 8; i++) x[3*i + 2] *= 2;
+    for (int i = 0; i < 8; i++) x[3 * i + 2] *= 2;
     rtcUpdateGeometryBuffer(geometries[1], RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometries[1]);
     EXPECT_EQ(built(), 2) << "vertices";
@@ -133,8 +127,7 @@ TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
   }
 }
 
-TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
-{
+TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs) {
   for (const char* kind : kinds)
     for (bool requestsCompression : {true, false}) {
       SCOPED_TRACE(testing::Message() << kind << ", " << requestsCompression);
@@ -161,7 +154,7 @@ TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
         expectCommit(device, second);
         EXPECT_EQ(displacement.vertices, 0u);
         EXPECT_EQ(other.vertices, 0u);
-        EXPECT_LT(memory.live, live + 16*1024);
+        EXPECT_LT(memory.live, live + 16 * 1024);
         rtcReleaseGeometry(shared);
         rtcReleaseGeometry(another);
         Random random(3);
@@ -175,23 +168,22 @@ TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
           ASSERT_EQ(a.ray.tfar, b.ray.tfar);
           ASSERT_EQ(a.hit.primID, b.hit.primID);
           ASSERT_TRUE((a.hit.geomID == 7 && b.hit.geomID == 2) || (a.hit.geomID == 0 && b.hit.geomID == 7))
-            << a.hit.geomID << " " << b.hit.geomID;
+              << a.hit.geomID << " " << b.hit.geomID;
         }
         EXPECT_GT(hits, 200u);
         EXPECT_EQ(statisticsOf(first).numQuads, statisticsOf(second).numQuads);
         rtcDetachGeometry(first, 7);
         expectCommit(device, first);
         EXPECT_EQ(intersect(second, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 2u)
-          << "the first scene no longer contains it";
+            << "the first scene no longer contains it";
         EXPECT_FALSE(isHit(intersect(first, makeRay({0, 0, 5}, {0, 0, -1}))));
       }
-      EXPECT_LT(memory.live, live/2) << "no scene contains it any longer";
+      EXPECT_LT(memory.live, live / 2) << "no scene contains it any longer";
     }
 }
 
 // For coincident surfaces, independently of the order of creation.
-TEST(GeometryBlocks, LowerIDInTheSceneWins)
-{
+TEST(GeometryBlocks, LowerIDInTheSceneWins) {
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
     Device device(std::string("subdiv_accel=cbvh.") + kind);
@@ -223,8 +215,7 @@ TEST(GeometryBlocks, LowerIDInTheSceneWins)
   }
 }
 
-TEST(GeometryBlocks, InstancedScenesShareBlocks)
-{
+TEST(GeometryBlocks, InstancedScenesShareBlocks) {
   Device device("subdiv_accel=cbvh.vert");
   RTCGeometry geometry = newSurface(device, cubeCage(), SurfaceSettings());
   Scene below(device), above(device);
@@ -246,8 +237,7 @@ TEST(GeometryBlocks, InstancedScenesShareBlocks)
   EXPECT_EQ(hit.hit.instID[0], 4u);
 }
 
-TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
-{
+TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing) {
   Device device;
   CountedDisplacement displacement;
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
@@ -267,8 +257,7 @@ TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
 }
 
 // Surfaces with motion blur, compressed and as Embree's GRID, next to other geometries.
-TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs)
-{
+TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs) {
   for (RTCCompression still : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT})
     for (RTCCompression first : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT})
       for (RTCCompression second : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT}) {
@@ -277,7 +266,7 @@ TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs)
         unsigned id = 3;
         for (RTCCompression compression : {still, first, second}) {
           Displacement displacement;
-          displacement.offset = {4.0f*float(id - 3), 0, 0};
+          displacement.offset = {4.0f * float(id - 3), 0, 0};
           displacement.amplitude = 0;
           SurfaceSettings settings;
           settings.displacement = &displacement;
@@ -291,13 +280,12 @@ TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs)
         }
         expectCommit(device, scene);
         for (unsigned i = 0; i < 3; i++)
-          EXPECT_EQ(intersect(scene, makeRay({4.0f*float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i)
-            << still << first << second;
+          EXPECT_EQ(intersect(scene, makeRay({4.0f * float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i)
+              << still << first << second;
       }
 }
 
-TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsIDs)
-{
+TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsIDs) {
   Device device("subdiv_accel=cbvh.vert");
   Displacement displacement;
   displacement.offset = {4, 0, 0};
@@ -318,14 +306,12 @@ TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsIDs)
 // --- released input -----------------------------------------------------------------------------
 
 // Memory of the application; accesses after its release crash.
-class Mapped
-{
+class Mapped {
 public:
   template<typename T>
-  explicit Mapped(const std::vector<T>& data) : bytes(sizeof(T)*data.size() + 16)
-  {
+  explicit Mapped(const std::vector<T>& data) : bytes(sizeof(T) * data.size() + 16) {
     memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    std::memcpy(memory, data.data(), sizeof(T)*data.size());
+    std::memcpy(memory, data.data(), sizeof(T) * data.size());
   }
   ~Mapped() { munmap(memory, bytes); }
   Mapped(const Mapped&) = delete;
@@ -337,13 +323,11 @@ private:
   size_t bytes;
 };
 
-struct Progress
-{
+struct Progress {
   std::atomic<unsigned> calls{0};
   std::atomic<bool> cancels{false};
 
-  static bool monitor(void* self, double n)
-  {
+  static bool monitor(void* self, double n) {
     Progress& p = *(Progress*)self;
     EXPECT_GE(n, 0);
     EXPECT_LE(n, 1);
@@ -352,8 +336,7 @@ struct Progress
   }
 };
 
-void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
-{
+void askForRelease(RTCGeometry geometry, Progress* progress = nullptr) {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
@@ -364,11 +347,10 @@ void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
 
 // A committed geometry whose cage is in released memory. attribute: 8 numbers and padding for
 // reads of four, or NULL.
-RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute)
-{
+RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute) {
   const Cage cage = cubeCage();
   const Mapped vertices(cage.positions), faces(cage.faces), indices(cage.indices),
-    levels(std::vector<float>(24, 20.0f));
+      levels(std::vector<float>(24, 20.0f));
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.memory, 0, sizeof(Vec),
                              cage.positions.size());
@@ -388,8 +370,7 @@ RTCGeometry newReleased(Device& device, Displacement& displacement, const float*
   return geometry;
 }
 
-TEST(ReleasedInput, IsNotReadAgain)
-{
+TEST(ReleasedInput, IsNotReadAgain) {
   for (const char* kind : kinds)
     for (bool hasAttribute : {false, true}) {
       SCOPED_TRACE(testing::Message() << kind << ", " << hasAttribute);
@@ -446,13 +427,12 @@ TEST(ReleasedInput, IsNotReadAgain)
       rtcCommitGeometry(geometry);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       expectCommit(device, other);
-      EXPECT_EQ(statisticsOf(other).numQuads, 5u*64 + 10*16);
+      EXPECT_EQ(statisticsOf(other).numQuads, 5u * 64 + 10 * 16);
       rtcReleaseGeometry(geometry);
     }
 }
 
-TEST(ReleasedInput, IsKeptIfCommitIsCancelled)
-{
+TEST(ReleasedInput, IsKeptIfCommitIsCancelled) {
   Device device("subdiv_accel=cbvh.vert");
   Progress progress;
   Displacement displacement;
@@ -471,12 +451,11 @@ TEST(ReleasedInput, IsKeptIfCommitIsCancelled)
   Scene scene(device);
   attach(scene, geometry);
   expectCommit(device, scene);
-  EXPECT_EQ(statisticsOf(scene).numQuads, 6u*64*64);
+  EXPECT_EQ(statisticsOf(scene).numQuads, 6u * 64 * 64);
 }
 
 // Memory is limited to growing amounts: nothing leaks when it is refused.
-TEST(ReleasedInput, IsKeptIfOutOfMemory)
-{
+TEST(ReleasedInput, IsKeptIfOutOfMemory) {
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
     Memory memory;
@@ -491,7 +470,7 @@ TEST(ReleasedInput, IsKeptIfOutOfMemory)
       askForRelease(geometry);
       const ssize_t before = memory.live;
       unsigned refused = 0;
-      for (ssize_t more = 1000;; more += more/4) {
+      for (ssize_t more = 1000;; more += more / 4) {
         memory.most = before + more;
         rtcCommitGeometry(geometry);
         const RTCError error = device.takeError();
@@ -506,15 +485,14 @@ TEST(ReleasedInput, IsKeptIfOutOfMemory)
       Scene scene(device);
       attach(scene, geometry);
       expectCommit(device, scene);
-      EXPECT_EQ(statisticsOf(scene).numQuads, 6u*64*64);
+      EXPECT_EQ(statisticsOf(scene).numQuads, 6u * 64 * 64);
       EXPECT_EQ(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 0u);
     }
     EXPECT_EQ(memory.live, 0);
   }
 }
 
-TEST(ReleasedInput, StaysIfNothingIsCompressed)
-{
+TEST(ReleasedInput, StaysIfNothingIsCompressed) {
   Device device;
   Cage cage = cubeCage();
   cage.positions.push_back({0, 0, 0}); // Embree reads one float after the last one that it uses
@@ -527,8 +505,7 @@ TEST(ReleasedInput, StaysIfNothingIsCompressed)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(ReleasedInput, UnknownFlagsAreRejected)
-{
+TEST(ReleasedInput, UnknownFlagsAreRejected) {
   Device device;
   RTCGeometry geometry = newSurface(device, cubeCage(), SurfaceSettings());
   RTCCompressionArguments args;
@@ -539,5 +516,4 @@ TEST(ReleasedInput, UnknownFlagsAreRejected)
   rtcReleaseGeometry(geometry);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -16,23 +16,19 @@
 #include <memory>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-unsigned numberIn(const char* variable, unsigned otherwise)
-{
+unsigned numberIn(const char* variable, unsigned otherwise) {
   const char* text = std::getenv(variable);
   return text ? unsigned(std::strtoul(text, nullptr, 10)) : otherwise;
 }
 
-const RTCCompression kinds[] = {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF,
+const RTCCompression kinds[] = {RTC_COMPRESSION_CVERT,  RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF,
                                 RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_NONE};
 
-class EditedSurface
-{
+class EditedSurface {
 public:
-  EditedSurface(RTCDevice device, const Cage& cage) : device(device), cage(cage)
-  {
+  EditedSurface(RTCDevice device, const Cage& cage) : device(device), cage(cage) {
     settings.rate = 4;
     settings.displacement = &displacement;
     settings.compression = RTC_COMPRESSION_CVERT;
@@ -42,25 +38,23 @@ public:
   EditedSurface(const EditedSurface&) = delete;
 
   // Returns a new geometry in the current state.
-  RTCGeometry newTwin() const
-  {
+  RTCGeometry newTwin() const {
     RTCGeometry twin = newSurface(device, cage, settings);
     if (!isEnabled) rtcDisableGeometry(twin);
     return twin;
   }
 
   // Updates everything if the input was released, otherwise only the changes.
-  void edit(Random& random)
-  {
+  void edit(Random& random) {
     const bool isReleased = hasReleased;
     switch (random.below(13)) {
     case 0: { // one vertex, which may become NaN and finite again
       const size_t i = random.below(unsigned(cage.positions.size()));
       for (float& x : cage.positions[i])
-        x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1*random.normal()) : float(random.normal());
+        x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1 * random.normal()) : float(random.normal());
       if (isReleased) break;
       float* vertices = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-      std::copy(cage.positions[i].begin(), cage.positions[i].end(), vertices + 3*i);
+      std::copy(cage.positions[i].begin(), cage.positions[i].end(), vertices + 3 * i);
       rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
       break;
     }
@@ -69,7 +63,7 @@ public:
       rtcSetGeometryTessellationRate(geometry, settings.rate);
       break;
     case 2: // the behavior of the displacement function, not its address
-      displacement.amplitude = float(0.1*random.uniform());
+      displacement.amplitude = float(0.1 * random.uniform());
       rtcSetGeometryDisplacementFunction(geometry, Displacement::apply);
       break;
     case 3:
@@ -79,19 +73,25 @@ public:
       break;
     case 4:
       cage.corners = {random.below(unsigned(cage.positions.size()))};
-      cage.cornerWeights = {float(4*random.uniform())};
+      cage.cornerWeights = {float(4 * random.uniform())};
       if (!isReleased) setCorners();
       break;
     case 5:
       settings.mask = random.below(2) ? ~0u : 2u;
       rtcSetGeometryMask(geometry, settings.mask);
-      if (isReleased) { rtcCommitGeometry(geometry); return; }
+      if (isReleased) {
+        rtcCommitGeometry(geometry);
+        return;
+      }
       break;
     case 6:
       isEnabled = !isEnabled;
       if (isEnabled) rtcEnableGeometry(geometry);
       else rtcDisableGeometry(geometry);
-      if (isReleased) { rtcCommitGeometry(geometry); return; }
+      if (isReleased) {
+        rtcCommitGeometry(geometry);
+        return;
+      }
       break;
     case 7:
       settings.compression = kinds[random.below(6)];
@@ -102,7 +102,7 @@ public:
     case 9: {
       const unsigned i = random.below(unsigned(cage.indices.size() - 1));
       cage.creases = {{cage.indices[i], cage.indices[i + 1]}};
-      cage.creaseWeights = {float(3*random.uniform())};
+      cage.creaseWeights = {float(3 * random.uniform())};
       if (!isReleased) setCreases();
       break;
     }
@@ -118,9 +118,7 @@ public:
       cage.holes = {random.below(unsigned(cage.faces.size()))};
       if (!isReleased) setHoles();
       break;
-    case 12:
-      setCompression(true);
-      break;
+    case 12: setCompression(true); break;
     }
     if (isReleased) setInput();
     rtcCommitGeometry(geometry);
@@ -130,8 +128,7 @@ public:
   RTCGeometry geometry;
 
 private:
-  void setCompression(bool releases)
-  {
+  void setCompression(bool releases) {
     asksForRelease = releases;
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
@@ -141,22 +138,19 @@ private:
     rtcSetGeometryCompression(geometry, &args);
   }
 
-  void setCorners()
-  {
+  void setCorners() {
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, 0, RTC_FORMAT_UINT, cage.corners);
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.cornerWeights);
   }
 
-  void setCreases()
-  {
+  void setCreases() {
     setBuffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, cage.creases);
     setBuffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.creaseWeights);
   }
 
   void setHoles() { setBuffer(geometry, RTC_BUFFER_TYPE_HOLE, 0, RTC_FORMAT_UINT, cage.holes); }
 
-  void setInput()
-  {
+  void setInput() {
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, cage.positions);
     setBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faces);
     setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cage.indices);
@@ -173,24 +167,21 @@ private:
   bool isEnabled = true, asksForRelease = false, hasReleased = false;
 };
 
-void expectTwins(RTCScene scene, RTCScene twin, Random& random, unsigned rays, size_t& hits)
-{
+void expectTwins(RTCScene scene, RTCScene twin, Random& random, unsigned rays, size_t& hits) {
   for (RTCRayHit ray : raysAt(random, rays, 1.2f)) {
     ray.ray.mask = random.below(2) ? ~0u : 1u;
     const RTCRayHit a = intersect(scene, ray), b = intersect(twin, ray);
     ASSERT_EQ(std::memcmp(&a, &b, sizeof(a)), 0)
-      << "geometries " << int(a.hit.geomID) << " " << int(b.hit.geomID) << ", faces " << int(a.hit.primID) << " "
-      << int(b.hit.primID) << ", distances " << a.ray.tfar << " " << b.ray.tfar;
+        << "geometries " << int(a.hit.geomID) << " " << int(b.hit.geomID) << ", faces " << int(a.hit.primID) << " "
+        << int(b.hit.primID) << ", distances " << a.ray.tfar << " " << b.ray.tfar;
     hits += isHit(a);
     ASSERT_EQ(occluded(scene, ray), occluded(twin, ray));
   }
 }
 
-class Bystander
-{
+class Bystander {
 public:
-  Bystander(RTCDevice device, unsigned seed) : scene(device, prismCage(5), settings())
-  {
+  Bystander(RTCDevice device, unsigned seed) : scene(device, prismCage(5), settings()) {
     Random random(seed);
     rays = raysAt(random, 200);
     for (const RTCRayHit& ray : rays) hits.push_back(intersect(scene, ray));
@@ -202,16 +193,14 @@ public:
         }
     });
   }
-  ~Bystander()
-  {
+  ~Bystander() {
     ends = true;
     thread.join();
     EXPECT_EQ(different, 0u);
   }
 
 private:
-  static SurfaceSettings settings()
-  {
+  static SurfaceSettings settings() {
     SurfaceSettings settings;
     settings.compression = RTC_COMPRESSION_CVERT;
     return settings;
@@ -224,8 +213,7 @@ private:
   std::thread thread;
 };
 
-TEST(GeometryEdits, ScenesMatchFreshTwins)
-{
+TEST(GeometryEdits, ScenesMatchFreshTwins) {
   const unsigned numEdits = numberIn("CBVH_EDITS", 1500), seed = numberIn("CBVH_EDITS_SEED", 1);
   Memory memory;
   {
@@ -237,7 +225,10 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
     const Cage cages[] = {cubeCage(), sheetCage(1), sheetCage(3), prismCage(3), trapezohedronCage(4)};
     std::vector<std::unique_ptr<EditedSurface>> surfaces;
     for (const Cage& cage : cages) surfaces.emplace_back(new EditedSurface(device, cage));
-    struct { std::unique_ptr<Scene> scene; std::map<unsigned, EditedSurface*> surfaces; } scenes[3];
+    struct {
+      std::unique_ptr<Scene> scene;
+      std::map<unsigned, EditedSurface*> surfaces;
+    } scenes[3];
     for (auto& s : scenes) s.scene.reset(new Scene(device, RTC_SCENE_FLAG_ROBUST));
 
     for (unsigned i = 0; i < numEdits; i++) {
@@ -248,7 +239,10 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
       case 0: {
         const unsigned id = random.below(8);
         for (auto it = s.surfaces.begin(); it != s.surfaces.end();) {
-          if (it->first != id && it->second != surface.get()) { ++it; continue; }
+          if (it->first != id && it->second != surface.get()) {
+            ++it;
+            continue;
+          }
           rtcDetachGeometry(*s.scene, it->first);
           it = s.surfaces.erase(it);
         }
@@ -270,7 +264,10 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
         if (random.below(8)) break;
         for (auto& other : scenes)
           for (auto it = other.surfaces.begin(); it != other.surfaces.end();) {
-            if (it->second != surface.get()) { ++it; continue; }
+            if (it->second != surface.get()) {
+              ++it;
+              continue;
+            }
             rtcDetachGeometry(*other.scene, it->first);
             it = other.surfaces.erase(it);
           }
@@ -292,10 +289,9 @@ TEST(GeometryEdits, ScenesMatchFreshTwins)
       expectTwins(*s.scene, twin, random, 100, hits);
       if (testing::Test::HasFatalFailure()) return;
     }
-    EXPECT_GT(hits, numEdits/2);
+    EXPECT_GT(hits, numEdits / 2);
   }
   EXPECT_EQ(memory.live, 0);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -19,20 +19,18 @@
 #include <set>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Odd sizes, strides larger than the width, and a first vertex other than 0.
-Diced oddGrids(double lattice)
-{
+Diced oddGrids(double lattice) {
   Diced diced = dicedSheet(1, 37, lattice);
   const Diced sheet = diced;
   diced.grids.clear();
   const unsigned side = 38,
                  sizes[][4] = {
-                   {0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
+                     {0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
   for (const auto& s : sizes)
-    diced.grids.push_back({s[1]*side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
+    diced.grids.push_back({s[1] * side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
   return diced;
 }
 
@@ -40,13 +38,14 @@ class GridGeometry : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Isas, GridGeometry, testing::Values(TEST_ISAS), nameOfIsa);
 
-TEST_P(GridGeometry, HitsMatchEmbree)
-{
+TEST_P(GridGeometry, HitsMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(101);
   const double lattice = 0x1p-10;
-  const struct { const char* name; Diced diced;
+  const struct {
+    const char* name;
+    Diced diced;
   } shapes[] = {{"one grid", dicedSheet(1, 64, lattice)},
                 {"a grid of 1000 quads a side", dicedSheet(1, 1000, 0x1p-14)},
                 {"small grids", dicedSheet(9, 4, lattice)},
@@ -67,8 +66,7 @@ TEST_P(GridGeometry, HitsMatchEmbree)
 }
 
 // Two geometries of grids next to a subdivision surface, also in an instance.
-TEST_P(GridGeometry, MixedScenesMatchEmbree)
-{
+TEST_P(GridGeometry, MixedScenesMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(102);
@@ -94,7 +92,7 @@ TEST_P(GridGeometry, MixedScenesMatchEmbree)
   for (int i = 0; i < 2; i++) {
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, i ? scene : embree);
-    const float transform[12] = {0,1,0, -1,0,0, 0,0,1, 0,0.25f,0};
+    const float transform[12] = {0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0.25f, 0};
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
     rtcCommitGeometry(instance);
     attach(instances[i], instance);
@@ -109,8 +107,7 @@ TEST_P(GridGeometry, MixedScenesMatchEmbree)
   EXPECT_EQ(found.count(5) + found.count(2), 2u);
 }
 
-TEST_P(GridGeometry, MasksAndFilters)
-{
+TEST_P(GridGeometry, MasksAndFilters) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   const Diced diced = dicedSheet(2, 20);
@@ -125,7 +122,7 @@ TEST_P(GridGeometry, MasksAndFilters)
 
   // Changed vertices without an update are visible only if blocks are rebuilt.
   float* x = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-  for (size_t i = 0; i < diced.vertices.size(); i++) x[3*i + 2] -= 1;
+  for (size_t i = 0; i < diced.vertices.size(); i++) x[3 * i + 2] -= 1;
   rtcSetGeometryMask(geometry, 2);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
@@ -162,12 +159,10 @@ TEST_P(GridGeometry, MasksAndFilters)
 
 // --- closed -----------------------------------------------------------------------------------
 
-TEST(GridSurfaces, AreClosedBetweenGrids)
-{
+TEST(GridSurfaces, AreClosedBetweenGrids) {
   Device device;
   Random random(103);
-  const struct
-  {
+  const struct {
     unsigned n, quads;
     double warp;
   } balls[] = {{3, 3, 1}, {3, 4, 1}, {3, 7, 1}, {3, 16, 1}, {3, 40, 1}, {8, 5, 3}, {5, 16, 3}};
@@ -193,31 +188,29 @@ TEST(GridSurfaces, AreClosedBetweenGrids)
 }
 
 // A coarse grid, and finer ones whose border vertices lie on its edges: two grids in a row.
-Diced stitchedGrids(unsigned coarse, unsigned fine)
-{
+Diced stitchedGrids(unsigned coarse, unsigned fine) {
   Diced diced;
-  const auto height = [](double x, double y) { return 0.2*std::sin(5*x + 1)*std::cos(4*y); };
+  const auto height = [](double x, double y) { return 0.2 * std::sin(5 * x + 1) * std::cos(4 * y); };
   diced.add(coarse + 1, coarse + 1, [&](unsigned x, unsigned y) {
-    const double u = double(x)/coarse - 1, v = double(y)/coarse;
+    const double u = double(x) / coarse - 1, v = double(y) / coarse;
     return Vec{float(u), float(v), float(height(u, v))};
   });
   const RTCGrid first = diced.grids[0];
   for (unsigned part = 0; part < 2; part++)
     diced.add(fine + 1, fine + 1, [&](unsigned x, unsigned y) {
-      const double u = double(x)/fine, v = (part + double(y)/fine)/2;
+      const double u = double(x) / fine, v = (part + double(y) / fine) / 2;
       if (x > 0) return Vec{float(u), float(v), float(height(u, v))};
-      const unsigned k = std::min(unsigned(v*coarse), coarse - 1);
+      const unsigned k = std::min(unsigned(v * coarse), coarse - 1);
       const Vec a = diced.vertex(first, coarse, k), b = diced.vertex(first, coarse, k + 1);
-      const double t = v*coarse - k;
+      const double t = v * coarse - k;
       Vec p;
-      for (int c = 0; c < 3; c++) p[c] = t == 0 ? a[c] : t == 1 ? b[c] : float(a[c] + t*(double(b[c]) - a[c]));
+      for (int c = 0; c < 3; c++) p[c] = t == 0 ? a[c] : t == 1 ? b[c] : float(a[c] + t * (double(b[c]) - a[c]));
       return p;
     });
   return diced;
 }
 
-TEST(GridSurfaces, StayStitched)
-{
+TEST(GridSurfaces, StayStitched) {
   Device device;
   Random random(104);
   const unsigned counts[][2] = {{2, 4}, {4, 12}, {8, 32}, {5, 5}, {20, 60}, {16, 8}};
@@ -228,16 +221,16 @@ TEST(GridSurfaces, StayStitched)
     const bool mayBeLeft = n[0] == 2; // without AVX, Embree's own form of so small grids is smaller
     if (!mayBeLeft || statisticsOf(scene).numBlocks > 0) {
       EXPECT_LT(statisticsOf(scene).numRawBlocks, statisticsOf(scene).numBlocks)
-        << "raw blocks occur only along the seam";
+          << "raw blocks occur only along the seam";
     }
     size_t missed = 0, missedByEmbree = 0;
     for (unsigned i = 0; i < 20000; i++) {
       const unsigned k = random.below(n[0]);
       const Vec a = diced.vertex(diced.grids[0], n[0], k), b = diced.vertex(diced.grids[0], n[0], k + 1);
       const double t = random.uniform();
-      Vec from = {float(0.5*random.normal()), float(0.5 + 0.5*random.normal()), 3}, direction;
+      Vec from = {float(0.5 * random.normal()), float(0.5 + 0.5 * random.normal()), 3}, direction;
       for (int c = 0; c < 3; c++)
-        direction[c] = float(a[c] + t*(b[c] - a[c]) + (c == 0 ? 1e-3*random.normal()/n[1] : 0)) - from[c];
+        direction[c] = float(a[c] + t * (b[c] - a[c]) + (c == 0 ? 1e-3 * random.normal() / n[1] : 0)) - from[c];
       if (t < 1e-3 && k == 0) continue; // the end of the seam
       const RTCRayHit ray = makeRay(from, direction);
       missed += !isHit(intersect(scene, ray));
@@ -249,37 +242,37 @@ TEST(GridSurfaces, StayStitched)
 
 // A closed box. Its sides are strips of 1 x 16 quads, `fine` per edge of the top and the bottom. All border vertices
 // are shared, also by the two strips that meet on such an edge.
-Diced boxOfStrips(unsigned coarse, unsigned fine)
-{
+Diced boxOfStrips(unsigned coarse, unsigned fine) {
   Diced box;
   for (double z : {-1.0, 1.0})
     box.add(coarse + 1, coarse + 1, [&](unsigned x, unsigned y) {
-      const double u = 2.0*x/coarse - 1, v = 2.0*y/coarse - 1;
-      return Vec{float(u + 0.03*std::sin(9*v)), float(v), float(z + 0.1*std::sin(7*u + 3*v))};
+      const double u = 2.0 * x / coarse - 1, v = 2.0 * y / coarse - 1;
+      return Vec{float(u + 0.03 * std::sin(9 * v)), float(v), float(z + 0.1 * std::sin(7 * u + 3 * v))};
     });
   const auto onRing = [&](const RTCGrid& end, unsigned k) {
-    const unsigned side = k/coarse % 4, along = k % coarse;
-    return side == 0 ? box.vertex(end, along, 0) : side == 1 ? box.vertex(end, coarse, along)
-         : side == 2 ? box.vertex(end, coarse - along, coarse) : box.vertex(end, 0, coarse - along);
+    const unsigned side = k / coarse % 4, along = k % coarse;
+    return side == 0   ? box.vertex(end, along, 0)
+           : side == 1 ? box.vertex(end, coarse, along)
+           : side == 2 ? box.vertex(end, coarse - along, coarse)
+                       : box.vertex(end, 0, coarse - along);
   };
   const auto lerp = [](const Vec& a, const Vec& b, double t) {
     Vec p;
-    for (int c = 0; c < 3; c++) p[c] = t == 0 ? a[c] : t == 1 ? b[c] : float(a[c] + t*(double(b[c]) - a[c]));
+    for (int c = 0; c < 3; c++) p[c] = t == 0 ? a[c] : t == 1 ? b[c] : float(a[c] + t * (double(b[c]) - a[c]));
     return p;
   };
   const RTCGrid bottom = box.grids[0], top = box.grids[1];
-  for (unsigned strip = 0; strip < 4*coarse*fine; strip++)
+  for (unsigned strip = 0; strip < 4 * coarse * fine; strip++)
     box.add(2, 17, [&](unsigned x, unsigned y) {
-      const unsigned k = (strip + x)/fine;
-      const double t = double((strip + x) % fine)/fine;
+      const unsigned k = (strip + x) / fine;
+      const double t = double((strip + x) % fine) / fine;
       return lerp(lerp(onRing(bottom, k), onRing(bottom, k + 1), t), lerp(onRing(top, k), onRing(top, k + 1), t),
-                  y/16.0);
+                  y / 16.0);
     });
   return box;
 }
 
-TEST(GridSurfaces, StayStitchedIfAllVerticesAreShared)
-{
+TEST(GridSurfaces, StayStitchedIfAllVerticesAreShared) {
   Device device;
   Random random(106);
   for (unsigned fine : {2, 3, 5}) {
@@ -293,9 +286,8 @@ TEST(GridSurfaces, StayStitchedIfAllVerticesAreShared)
       const unsigned k = random.below(coarse), border = random.chance(0.5) ? 0 : coarse;
       const RTCGrid& end = box.grids[random.below(2)];
       const bool alongX = random.chance(0.5);
-      const RTCRayHit ray =
-        alongX ? rayFromMiddle(random, box.vertex(end, k, border), box.vertex(end, k + 1, border))
-               : rayFromMiddle(random, box.vertex(end, border, k), box.vertex(end, border, k + 1));
+      const RTCRayHit ray = alongX ? rayFromMiddle(random, box.vertex(end, k, border), box.vertex(end, k + 1, border))
+                                   : rayFromMiddle(random, box.vertex(end, border, k), box.vertex(end, border, k + 1));
       missed += !isHit(intersect(scene, ray));
     }
     EXPECT_LE(missed, 3u) << "of 40000 rays at the seams; floats between two vertices may be off their edge";
@@ -303,42 +295,41 @@ TEST(GridSurfaces, StayStitchedIfAllVerticesAreShared)
 }
 
 // Returns the stored vertices of each grid, row by row, at a time from 0 to 1; NaN where none is stored.
-std::vector<std::vector<Vec>> storedVertices(RTCGeometry geometry, const std::vector<RTCGrid>& grids, float time)
-{
-  struct Found
-  {
+std::vector<std::vector<Vec>> storedVertices(RTCGeometry geometry, const std::vector<RTCGrid>& grids, float time) {
+  struct Found {
     const std::vector<RTCGrid>& grids;
     std::vector<std::vector<Vec>> vertices;
   } found{grids, {}};
-  for (const RTCGrid& grid : grids)
-    found.vertices.emplace_back(size_t(grid.width)*grid.height, Vec{NAN, NAN, NAN});
-  rtcForEachCompressedPart(geometry, time, [](void* ptr, const RTCCompressedPart* part) {
-    const RTCGrid& grid = ((Found*)ptr)->grids.at(part->primID);
-    for (unsigned i = 0; i < part->width*part->height; i++) {
-      const auto x = size_t(std::lround(part->parameters[2*i]*float(grid.width - 1))),
-                 y = size_t(std::lround(part->parameters[2*i + 1]*float(grid.height - 1)));
-      std::copy_n(part->vertices + 3*i, 3, ((Found*)ptr)->vertices[part->primID].at(y*grid.width + x).begin());
-    }
-    return true;
-  }, &found);
+  for (const RTCGrid& grid : grids) found.vertices.emplace_back(size_t(grid.width) * grid.height, Vec{NAN, NAN, NAN});
+  rtcForEachCompressedPart(
+      geometry, time,
+      [](void* ptr, const RTCCompressedPart* part) {
+        const RTCGrid& grid = ((Found*)ptr)->grids.at(part->primID);
+        for (unsigned i = 0; i < part->width * part->height; i++) {
+          const auto x = size_t(std::lround(part->parameters[2 * i] * float(grid.width - 1))),
+                     y = size_t(std::lround(part->parameters[2 * i + 1] * float(grid.height - 1)));
+          std::copy_n(part->vertices + 3 * i, 3, ((Found*)ptr)->vertices[part->primID].at(y * grid.width + x).begin());
+        }
+        return true;
+      },
+      &found);
   return found.vertices;
 }
 
 // A coarse sheet next to a fine one. Every second border vertex of the fine one is `aside` above the coarse edge.
-TEST(GridSurfaces, StitchedVerticesKeepMaxError)
-{
+TEST(GridSurfaces, StitchedVerticesKeepMaxError) {
   const unsigned n = 16;
   for (const double aside : {0.009, 0.006, 0.001, 1e-4, 0.0})
     for (const float maxError : {-1.0f, 16.0f, 0.02f, 0.01f, 0x1p-10f}) {
       SCOPED_TRACE(testing::Message() << aside << " above the edge, max_error " << maxError);
       Device device;
       Diced diced;
-      const auto height = [](double x, double y) { return float(100*std::sin(x/3000)*std::cos(y/2000)); };
+      const auto height = [](double x, double y) { return float(100 * std::sin(x / 3000) * std::cos(y / 2000)); };
       diced.add(n + 1, n + 1, [&](unsigned x, unsigned y) {
-        return Vec{1024.0f*float(x), 1024*(float(y) - n), y == n ? 0 : height(1024*x, 1024.0*(y - double(n)))};
+        return Vec{1024.0f * float(x), 1024 * (float(y) - n), y == n ? 0 : height(1024 * x, 1024.0 * (y - double(n)))};
       });
-      diced.add(2*n + 1, 2*n + 1, [&](unsigned x, unsigned y) {
-        return Vec{512.0f*float(x), 512.0f*float(y), y == 0 ? x % 2 ? float(aside) : 0 : height(512*x, 512*y)};
+      diced.add(2 * n + 1, 2 * n + 1, [&](unsigned x, unsigned y) {
+        return Vec{512.0f * float(x), 512.0f * float(y), y == 0 ? x % 2 ? float(aside) : 0 : height(512 * x, 512 * y)};
       });
       RTCGeometry geometry = newGridsOf(device, diced.grids, {diced.vertices}, RTC_COMPRESSION_CVERT, 0, maxError);
       Scene scene(device);
@@ -353,42 +344,41 @@ TEST(GridSurfaces, StitchedVerticesKeepMaxError)
           double square = 0;
           for (int k = 0; k < 3; k++) {
             const double moved = double(stored[grid][i][k]) - given[i][k];
-            square += moved*moved;
+            square += moved * moved;
           }
           ASSERT_FALSE(std::isnan(square)) << "grid " << grid << ", vertex " << i;
           most = std::max(most, std::sqrt(square));
         }
       }
       if (maxError > 0) { EXPECT_LE(most, maxError); }
-      EXPECT_NEAR(statisticsOf(scene).maxVertexDeviation, most, 1e-6*most);
+      EXPECT_NEAR(statisticsOf(scene).maxVertexDeviation, most, 1e-6 * most);
       EXPECT_EQ(statisticsOf(scene).maxBorderMismatch, 0);
       if (maxError < 0 || maxError > 1) {
-        for (unsigned x = 1; x < 2*n; x += 2) EXPECT_EQ(stored[1][x][2], 0) << "stitched, at x = " << x;
+        for (unsigned x = 1; x < 2 * n; x += 2) EXPECT_EQ(stored[1][x][2], 0) << "stitched, at x = " << x;
       }
       rtcReleaseGeometry(geometry);
     }
 }
 
 // Grids of different sizes share border vertices. One of them is NaN at the first step.
-TEST(GridSurfaces, MovingGridsShareVerticesThatAreNotFiniteAtSomeStep)
-{
+TEST(GridSurfaces, MovingGridsShareVerticesThatAreNotFiniteAtSomeStep) {
   Device device;
   Diced diced;
   const unsigned n = 8;
   for (const double width : {10.0, -1.0})
     diced.add(n + 1, n + 1, [&](unsigned x, unsigned y) {
-      return Vec{float(width*x/n + 0.013*y), float(width*0.1*y), float(0.1*std::sin(2.0*y + 0.3*x))};
+      return Vec{float(width * x / n + 0.013 * y), float(width * 0.1 * y), float(0.1 * std::sin(2.0 * y + 0.3 * x))};
     });
   for (unsigned y = 0; y <= n; y++) diced.vertex(diced.grids[1], 0, y) = diced.vertex(diced.grids[0], 0, y);
   const auto verticesAt = [&](unsigned step) {
     std::vector<Vec> moved = diced.vertices;
-    for (Vec& p : moved) p[2] += 0.037f*float(step);
+    for (Vec& p : moved) p[2] += 0.037f * float(step);
     if (step == 0)
-      for (const RTCGrid& grid : diced.grids) moved[grid.startVertexID + 4*grid.stride][2] = NAN;
+      for (const RTCGrid& grid : diced.grids) moved[grid.startVertexID + 4 * grid.stride][2] = NAN;
     return moved;
   };
-  RTCGeometry geometry = newGridsOf(device, diced.grids, {verticesAt(0), verticesAt(1), verticesAt(2)},
-                                    RTC_COMPRESSION_CVERT);
+  RTCGeometry geometry =
+      newGridsOf(device, diced.grids, {verticesAt(0), verticesAt(1), verticesAt(2)}, RTC_COMPRESSION_CVERT);
   Scene scene(device);
   rtcAttachGeometry(scene, geometry);
   rtcCommitScene(scene);
@@ -397,7 +387,8 @@ TEST(GridSurfaces, MovingGridsShareVerticesThatAreNotFiniteAtSomeStep)
     const auto stored = storedVertices(geometry, diced.grids, time);
     for (unsigned y = 0; y <= n; y++)
       for (int k = 0; k < 3; k++)
-        EXPECT_EQ(stored[0][y*(n + 1)][k], stored[1][y*(n + 1)][k]) << "row " << y << ", axis " << k << " at " << time;
+        EXPECT_EQ(stored[0][y * (n + 1)][k], stored[1][y * (n + 1)][k])
+            << "row " << y << ", axis " << k << " at " << time;
   }
   rtcReleaseGeometry(geometry);
 }
@@ -406,19 +397,16 @@ TEST(GridSurfaces, MovingGridsShareVerticesThatAreNotFiniteAtSomeStep)
 typedef std::function<Vec(double x, double aside, unsigned step)> StripMotion;
 
 // Strips of 1 x 8 quads with two time steps, as two surfaces.
-struct MovingStrips
-{
+struct MovingStrips {
   Diced steps[2];
 
-  void add(double x0, double x1, double aside, const StripMotion& place)
-  {
+  void add(double x0, double x1, double aside, const StripMotion& place) {
     for (unsigned step = 0; step < 2; step++)
-      steps[step].add(2, 9, [&](unsigned x, unsigned y) { return place(x ? x1 : x0, aside*y, step); });
+      steps[step].add(2, 9, [&](unsigned x, unsigned y) { return place(x ? x1 : x0, aside * y, step); });
   }
 
   // Returns the stored vertices of each strip at the second step. The order of grids may be reversed.
-  std::vector<std::vector<Vec>> stored(RTCDevice device, bool reversed) const
-  {
+  std::vector<std::vector<Vec>> stored(RTCDevice device, bool reversed) const {
     std::vector<RTCGrid> grids = steps[0].grids;
     if (reversed) std::reverse(grids.begin(), grids.end());
     RTCGeometry geometry = newGridsOf(device, grids, {steps[0].vertices, steps[1].vertices}, RTC_COMPRESSION_CVERT);
@@ -433,8 +421,7 @@ struct MovingStrips
 
 // Vertices that are equal at the first time step only have different entries, whose order depends on the order of grids
 // and on threads.
-TEST(GridSurfaces, StitchedVerticesAreIndependentOfTheOrderOfGrids)
-{
+TEST(GridSurfaces, StitchedVerticesAreIndependentOfTheOrderOfGrids) {
   Device device("threads=1");
   const Vec middle = {1.013f, 0.017f, 0.029f};
   const auto expectSame = [&](const MovingStrips& strips) {
@@ -445,10 +432,10 @@ TEST(GridSurfaces, StitchedVerticesAreIndependentOfTheOrderOfGrids)
   MovingStrips crossing; // a vertex on two edges, which are equal at the first step
   for (int axis : {1, 2}) {
     const StripMotion turn = [&](double x, double aside, unsigned step) {
-      const double angle = 0.3*step;
+      const double angle = 0.3 * step;
       Vec p = middle;
-      p[0] += float(x*std::cos(angle) - aside*std::sin(angle));
-      p[axis] += float(x*std::sin(angle) + aside*std::cos(angle));
+      p[0] += float(x * std::cos(angle) - aside * std::sin(angle));
+      p[axis] += float(x * std::sin(angle) + aside * std::cos(angle));
       return p;
     };
     crossing.add(-1, 1, -0.1, turn);
@@ -460,8 +447,8 @@ TEST(GridSurfaces, StitchedVerticesAreIndependentOfTheOrderOfGrids)
   for (int axis : {1, 2}) {
     const StripMotion part = [&](double x, double aside, unsigned step) {
       Vec p = middle;
-      p[0] += float(0.97*x);
-      p[1] += float(0.31*x);
+      p[0] += float(0.97 * x);
+      p[1] += float(0.31 * x);
       p[axis] += float(aside) + (axis == 2 && x == 0 && aside == 0 && step == 1 ? 8e-6f : 0.0f);
       return p;
     };
@@ -474,8 +461,7 @@ TEST(GridSurfaces, StitchedVerticesAreIndependentOfTheOrderOfGrids)
 
 // --- errors -----------------------------------------------------------------------------------
 
-TEST(GridSurfaces, InvalidGridsAreLeftOutAndReportedIfVerticesAreMissing)
-{
+TEST(GridSurfaces, InvalidGridsAreLeftOutAndReportedIfVerticesAreMissing) {
   Device device;
   const Diced good = dicedSheet(2, 8, 0x1p-10);
   const RTCRayHit atThird = makeRay({-0.5f, 0.5f, 5}, {0, 0, -1}), atFirst = makeRay({-0.5f, -0.5f, 5}, {0, 0, -1});
@@ -512,8 +498,7 @@ TEST(GridSurfaces, InvalidGridsAreLeftOutAndReportedIfVerticesAreMissing)
 
 // --- settings ---------------------------------------------------------------------------------
 
-TEST(GridSurfaces, CompressionCanBeSelected)
-{
+TEST(GridSurfaces, CompressionCanBeSelected) {
   const Diced diced = dicedSheet(2, 20);
   const auto quads = [&](const Device& device, RTCCompression compression) {
     const GridScene scene(device, diced, compression);
@@ -532,9 +517,8 @@ TEST(GridSurfaces, CompressionCanBeSelected)
   RTCGeometry geometry = newGrids(plain, diced);
   attach(scene, geometry);
   const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
-  for (RTCCompression compression :
-       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT,
-        RTC_COMPRESSION_CVERT}) {
+  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_NONE,
+                                     RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;
@@ -548,8 +532,7 @@ TEST(GridSurfaces, CompressionCanBeSelected)
 }
 
 // Embree stores a grid of 2 x 2 quads in 68 bytes, less than any block.
-TEST(GridSurfaces, SmallestGridsAreNotCompressed)
-{
+TEST(GridSurfaces, SmallestGridsAreNotCompressed) {
   Device device;
   Diced diced = dicedSheet(10, 2);
   const RTCRayHit down = makeRay({0.33f, 0.21f, 5}, {0, 0, -1});
@@ -563,18 +546,17 @@ TEST(GridSurfaces, SmallestGridsAreNotCompressed)
   };
   EXPECT_EQ(quads(0), 0u);
   EXPECT_EQ(quads(RTC_COMPRESSION_FLAG_RELEASE_INPUT), 400u) << "releasing their vertices saves more";
-  diced.add(21, 21, [](unsigned x, unsigned y) { return Vec{0.1f*float(x), 0.1f*float(y), -1}; });
+  diced.add(21, 21, [](unsigned x, unsigned y) { return Vec{0.1f * float(x), 0.1f * float(y), -1}; });
   EXPECT_EQ(quads(0), 0u) << "most grids are small";
-  diced.add(201, 201, [](unsigned x, unsigned y) { return Vec{0.01f*float(x), 0.01f*float(y), -1}; });
+  diced.add(201, 201, [](unsigned x, unsigned y) { return Vec{0.01f * float(x), 0.01f * float(y), -1}; });
   EXPECT_EQ(quads(0), 400u + 400 + 40000);
 }
 
 // Each later step of a block has a header of its own, while Embree's grids refer to the buffers of all steps.
-TEST(GridSurfaces, LaterStepsCountAgainstCompression)
-{
+TEST(GridSurfaces, LaterStepsCountAgainstCompression) {
   Device device;
   Diced diced = dicedSheet(10, 4);
-  diced.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.01f*float(step)}; };
+  diced.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.01f * float(step)}; };
   const auto movingQuads = [&](unsigned flags, unsigned timeSteps) {
     Scene scene(device);
     attach(scene, newGrids(device, diced, RTC_COMPRESSION_CVERT, flags, timeSteps));
@@ -589,8 +571,7 @@ TEST(GridSurfaces, LaterStepsCountAgainstCompression)
 }
 
 // Sides with more than 46,341 vertices: the product of two such numbers exceeds 2^31.
-TEST(GridSurfaces, LongSidesAreHit)
-{
+TEST(GridSurfaces, LongSidesAreHit) {
   for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u),
                                       std::make_pair(65535u, 2u), std::make_pair(46342u, 18u)}) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
@@ -601,21 +582,20 @@ TEST(GridSurfaces, LongSidesAreHit)
       for (unsigned x = 0; x < width; x++) diced.vertices.push_back({float(x), float(y), 0});
     const GridScene scene(device, diced);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    EXPECT_EQ(statisticsOf(scene).numQuads, size_t(width - 1)*(height - 1));
+    EXPECT_EQ(statisticsOf(scene).numQuads, size_t(width - 1) * (height - 1));
     Random random(9);
     for (int i = 0; i < 2000; i++) {
       const float x = float(random.uniform(0.01, width - 1.01)), y = float(random.uniform(0.01, height - 1.01));
       const RTCRayHit hit = intersect(scene, makeRay({x, y, 5}, {0, 0, -1}));
       ASSERT_TRUE(isHit(hit)) << x << ", " << y;
       ASSERT_NEAR(hit.ray.tfar, 5, 1e-3) << x << ", " << y;
-      ASSERT_NEAR(hit.hit.u*float(width - 1), x, 0.02) << x << ", " << y;
-      ASSERT_NEAR(hit.hit.v*float(height - 1), y, 0.02) << x << ", " << y;
+      ASSERT_NEAR(hit.hit.u * float(width - 1), x, 0.02) << x << ", " << y;
+      ASSERT_NEAR(hit.hit.v * float(height - 1), y, 0.02) << x << ", " << y;
     }
   }
 }
 
-TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
-{
+TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors) {
   Device device;
   Diced diced = dicedSheet(2, 16);
   diced.grids.push_back({0, 0, 65535, 65535});
@@ -626,12 +606,11 @@ TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
 }
 
 // Four billion quads of 131,069 vertices.
-TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled)
-{
+TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled) {
   Device device;
   Diced diced;
   diced.grids.push_back({0, 1, 65535, 65535});
-  for (unsigned i = 0; i < 2*65535u - 1; i++) diced.vertices.push_back({float(i), float(i % 7), 0});
+  for (unsigned i = 0; i < 2 * 65535u - 1; i++) diced.vertices.push_back({float(i), float(i % 7), 0});
   RTCGeometry geometry = newGrids(device, diced);
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
@@ -649,8 +628,7 @@ TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(GridSurfaces, InputIsReleased)
-{
+TEST(GridSurfaces, InputIsReleased) {
   Memory memory;
   Device device;
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -660,7 +638,7 @@ TEST(GridSurfaces, InputIsReleased)
   Scene scene(device);
   rtcAttachGeometry(scene, geometry);
   rtcCommitScene(scene);
-  EXPECT_LT(double(memory.live - before), 3.5*double(diced.quads()));
+  EXPECT_LT(double(memory.live - before), 3.5 * double(diced.quads()));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
   const RTCRayHit hit = intersect(scene, down);
@@ -685,11 +663,14 @@ TEST(GridSurfaces, InputIsReleased)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
-{
+TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled) {
   Device device;
   const Diced diced = dicedSheet(60, 8);
-  struct Monitor { size_t calls = 0, last = ~size_t(0); double most = 0; std::mutex mutex; } monitor;
+  struct Monitor {
+    size_t calls = 0, last = ~size_t(0);
+    double most = 0;
+    std::mutex mutex;
+  } monitor;
   const auto report = [](void* self, double done) {
     Monitor& m = *(Monitor*)self;
     const std::lock_guard<std::mutex> lock(m.mutex);
@@ -712,10 +693,8 @@ TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
 }
 
 // All bytes of the library including its tree, without the application's vertices.
-TEST(GridSurfaces, MemoryIsSmall)
-{
-  const struct
-  {
+TEST(GridSurfaces, MemoryIsSmall) {
+  const struct {
     unsigned n, quads;
     double bytes;
   } sizes[] = {{400, 4, 12}, {100, 8, 6}, {32, 16, 3.5}, {8, 64, 3.5}, {1, 500, 3.5}};
@@ -729,49 +708,62 @@ TEST(GridSurfaces, MemoryIsSmall)
     attach(scene, geometry);
     const ssize_t before = memory.live;
     rtcCommitScene(scene);
-    const double bytes = double(memory.live - before)/double(diced.quads());
+    const double bytes = double(memory.live - before) / double(diced.quads());
     const RTCCompressionStatistics stats = statisticsOf(scene);
-    const auto perQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
+    const auto perQuad = [&](size_t n) { return double(n) / double(diced.quads()); };
     std::printf(
-      "%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), "
-      "%.2f more during the build\n",
-      s.n, s.n, s.quads, s.quads, bytes, perQuad(stats.topLevelBytes), perQuad(stats.headerBytes),
-      perQuad(stats.nodeBytes), perQuad(stats.leafBytes), perQuad(size_t(memory.peak - memory.live)));
+        "%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), "
+        "%.2f more during the build\n",
+        s.n, s.n, s.quads, s.quads, bytes, perQuad(stats.topLevelBytes), perQuad(stats.headerBytes),
+        perQuad(stats.nodeBytes), perQuad(stats.leafBytes), perQuad(size_t(memory.peak - memory.live)));
     EXPECT_LE(bytes, s.bytes) << s.quads << " quads";
   }
 }
 
 // --- point queries ----------------------------------------------------------------------------
 
-TEST(GridSurfaces, PointQueriesMatchEmbree)
-{
+TEST(GridSurfaces, PointQueriesMatchEmbree) {
   Device device;
   Random random(105);
   const Diced diced = dicedSheet(6, 9);
   const GridScene embree(device, diced, RTC_COMPRESSION_NONE), scene(device, diced);
   // Distance to the nearest vertex of a primitive, by which the query shrinks.
-  struct Found { const Diced* diced; Vec at; unsigned primID = RTC_INVALID_GEOMETRY_ID; size_t calls = 0; };
+  struct Found {
+    const Diced* diced;
+    Vec at;
+    unsigned primID = RTC_INVALID_GEOMETRY_ID;
+    size_t calls = 0;
+  };
   const auto nearest = [&](RTCScene in, const Vec& at, float radius) {
     Found found{&diced, at};
     RTCPointQuery query;
-    query.x = at[0]; query.y = at[1]; query.z = at[2];
+    query.x = at[0];
+    query.y = at[1];
+    query.z = at[2];
     query.time = 0;
     query.radius = radius;
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
-      Found& f = *(Found*)args->userPtr;
-      f.calls++;
-      const RTCGrid& grid = f.diced->grids[args->primID];
-      bool changed = false;
-      for (unsigned y = 0; y < grid.height; y++)
-        for (unsigned x = 0; x < grid.width; x++) {
-          const Vec& p = f.diced->vertex(grid, x, y);
-          const float d = std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]);
-          if (d < args->query->radius) { args->query->radius = d; f.primID = args->primID; changed = true; }
-        }
-      return changed;
-    }, &found);
+    rtcPointQuery(
+        in, &query, &context,
+        [](RTCPointQueryFunctionArguments* args) {
+          Found& f = *(Found*)args->userPtr;
+          f.calls++;
+          const RTCGrid& grid = f.diced->grids[args->primID];
+          bool changed = false;
+          for (unsigned y = 0; y < grid.height; y++)
+            for (unsigned x = 0; x < grid.width; x++) {
+              const Vec& p = f.diced->vertex(grid, x, y);
+              const float d = std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]);
+              if (d < args->query->radius) {
+                args->query->radius = d;
+                f.primID = args->primID;
+                changed = true;
+              }
+            }
+          return changed;
+        },
+        &found);
     return std::make_pair(found.primID == RTC_INVALID_GEOMETRY_ID ? -1.0f : query.radius, found.calls);
   };
   size_t calls = 0, found = 0;
@@ -785,8 +777,7 @@ TEST(GridSurfaces, PointQueriesMatchEmbree)
     found += actual.first >= 0;
   }
   EXPECT_GT(found, 150u);
-  EXPECT_LT(calls, 300u*36/2) << "most grids are too far away";
+  EXPECT_LT(calls, 300u * 36 / 2) << "most grids are too far away";
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

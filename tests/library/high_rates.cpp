@@ -10,19 +10,16 @@
 #include <atomic>
 #include <cmath>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Over the unit square of quadCage; 0 at u = 0 and v = 0.
-float heightAt(float u, float v) { return 0.1f*std::sin(9*u)*std::sin(7*v); }
+float heightAt(float u, float v) { return 0.1f * std::sin(9 * u) * std::sin(7 * v); }
 
-void lift(const RTCDisplacementFunctionNArguments* args)
-{
+void lift(const RTCDisplacementFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; i++) args->P_z[i] = heightAt(args->u[i], args->v[i]);
 }
 
-SurfaceSettings settingsOf(RTCCompression compression, Displacement* displacement)
-{
+SurfaceSettings settingsOf(RTCCompression compression, Displacement* displacement) {
   SurfaceSettings settings;
   settings.compression = compression;
   settings.displacement = displacement;
@@ -36,8 +33,7 @@ INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION
                          });
 
 // Quads are at most 1/100 wide.
-TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
-{
+TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace) {
   Device device;
   for (const std::vector<float>& rates : {std::vector<float>{257, 257, 257, 257},
                                           {1000, 300, 1000, 300},
@@ -57,7 +53,7 @@ TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const RTCCompressionStatistics stats = statisticsOf(scene);
     EXPECT_EQ(stats.numUncompressedQuads, 0u);
-    EXPECT_EQ(stats.numQuads, size_t(std::max(rates[0], rates[2]))*size_t(std::max(rates[1], rates[3])));
+    EXPECT_EQ(stats.numQuads, size_t(std::max(rates[0], rates[2])) * size_t(std::max(rates[1], rates[3])));
     Random random(111);
     for (int i = 0; i < 20000; i++) {
       const float x = float(random.uniform(0.02, 0.98)), y = float(random.uniform(0.02, 0.98));
@@ -71,8 +67,7 @@ TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
 }
 
 // Also between the strips of a patch, and next to faces with other rates.
-TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
-{
+TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge) {
   Device device;
   const Cage cage = cubeCage();
   const auto highest = [](std::initializer_list<float> choice) {
@@ -97,8 +92,7 @@ TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
 
 // In addition to the result: a strip's vertices, the primitives of the top level, and up to 2 MiB that the BVH's
 // allocator reserves. All of 4096 x 512 quads at once would take 112 MiB.
-TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB)
-{
+TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB) {
   for (float across : {32.0f, 512.0f}) {
     Memory memory;
     Device device("threads=1");
@@ -107,10 +101,9 @@ TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB)
     SurfaceSettings settings = settingsOf(RTC_COMPRESSION_CVERT, &displacement);
     settings.edgeRates = {4096, across, 4096, across};
     const SurfaceScene scene(device, quadCage(), settings);
-    const ssize_t primitives = 64*ssize_t(statisticsOf(scene).numBlocks);
+    const ssize_t primitives = 64 * ssize_t(statisticsOf(scene).numBlocks);
     EXPECT_LT(memory.peak - memory.live, (6 << 20) + primitives) << across;
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -9,13 +9,11 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 enum class On { Vertices, Attribute, OtherTopology };
 
-struct Values
-{
+struct Values {
   float values[6][3];
   bool operator==(const Values& other) const { return std::memcmp(values, other.values, sizeof(values)) == 0; }
   bool isFinite() const {
@@ -26,8 +24,7 @@ struct Values
 const float untouched = 12345;
 
 // In a face, or in the first sub-patch of a face without four corners.
-Values interpolate(RTCGeometry geometry, unsigned face, On on, float u = 0.8f, float v = 0.9f)
-{
+Values interpolate(RTCGeometry geometry, unsigned face, On on, float u = 0.8f, float v = 0.9f) {
   Values out;
   std::fill_n(&out.values[0][0], 18, untouched);
   RTCInterpolateArguments args = {};
@@ -49,8 +46,7 @@ Values interpolate(RTCGeometry geometry, unsigned face, On on, float u = 0.8f, f
 }
 
 // The same with rtcInterpolateN, in lane 2 of 4. The other lanes are inactive.
-Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = true, float u = 0.8f, float v = 0.9f)
-{
+Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = true, float u = 0.8f, float v = 0.9f) {
   alignas(16) int valid[4] = {0, 0, isActive ? -1 : 0, 0};
   alignas(16) unsigned faces[4] = {face, face, face, face};
   alignas(16) float us[4] = {0.8f, 0.8f, u, 0.8f}, vs[4] = {0.9f, 0.9f, v, 0.9f};
@@ -81,8 +77,7 @@ Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = 
 
 // Vertices are also attribute 0. `others`, with their own topology, are attribute 1.
 RTCGeometry newGeometry(RTCDevice device, const Cage& cage, const Cage* others,
-                        RTCCompression compression = RTC_COMPRESSION_NONE, bool releases = false)
-{
+                        RTCCompression compression = RTC_COMPRESSION_NONE, bool releases = false) {
   SurfaceSettings settings;
   settings.rate = 3;
   RTCGeometry geometry = newSurface(device, cage, settings);
@@ -104,8 +99,7 @@ RTCGeometry newGeometry(RTCDevice device, const Cage& cage, const Cage* others,
 }
 
 template<typename Check>
-void forEachForm(const Cage& cage, const Cage* others, const Check& check)
-{
+void forEachForm(const Cage& cage, const Cage* others, const Check& check) {
   for (int form = 0; form < 3; form++) {
     SCOPED_TRACE(form == 0 ? "uncompressed" : form == 1 ? "compressed" : "released");
     Device device;
@@ -120,9 +114,7 @@ void forEachForm(const Cage& cage, const Cage* others, const Check& check)
   }
 }
 
-void expectRefused(Device& device, RTCGeometry geometry, unsigned face, On on,
-                   const std::vector<std::string>& parts)
-{
+void expectRefused(Device& device, RTCGeometry geometry, unsigned face, On on, const std::vector<std::string>& parts) {
   SCOPED_TRACE(testing::Message() << "face " << face << ", buffer " << int(on));
   std::vector<std::string> expected = {"face " + std::to_string(face) + " "};
   expected.insert(expected.end(), parts.begin(), parts.end());
@@ -137,8 +129,7 @@ void expectRefused(Device& device, RTCGeometry geometry, unsigned face, On on,
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "no lane is active: " << device.message;
 }
 
-Values expectFinite(Device& device, RTCGeometry geometry, unsigned face, On on)
-{
+Values expectFinite(Device& device, RTCGeometry geometry, unsigned face, On on) {
   SCOPED_TRACE(testing::Message() << "face " << face << ", buffer " << int(on));
   const Values one = interpolate(geometry, face, on), lane = interpolateN(geometry, face, on);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -150,13 +141,12 @@ Values expectFinite(Device& device, RTCGeometry geometry, unsigned face, On on)
 
 const std::vector<std::string> outOfBounds = {" 3 ", " 16 vertices", " 1024 faces"};
 
-TEST(Interpolation, UnsupportedFacesAreErrors)
-{
+TEST(Interpolation, UnsupportedFacesAreErrors) {
   const auto fan = [](unsigned quads, unsigned corners) { // around a vertex of the border: quads, and one other face
     Cage cage;
     cage.positions.push_back({0, 0, 0});
     const auto add = [&](double angle, double radius) {
-      cage.positions.push_back({float(radius*std::cos(angle)), float(radius*std::sin(angle)), 0});
+      cage.positions.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle)), 0});
       return unsigned(cage.positions.size() - 1);
     };
     unsigned spoke = add(0, 1);
@@ -164,23 +154,33 @@ TEST(Interpolation, UnsupportedFacesAreErrors)
       const unsigned size = f == quads ? corners : 4;
       cage.faces.push_back(size);
       cage.indices.insert(cage.indices.end(), {0, spoke});
-      for (unsigned i = 1; i + 2 < size; i++) cage.indices.push_back(add((f + i/double(size - 2))*5/(quads + 1), 1.1));
-      cage.indices.push_back(spoke = add(5.0*(f + 1)/(quads + 1), 1));
+      for (unsigned i = 1; i + 2 < size; i++)
+        cage.indices.push_back(add((f + i / double(size - 2)) * 5 / (quads + 1), 1.1));
+      cage.indices.push_back(spoke = add(5.0 * (f + 1) / (quads + 1), 1));
     }
     return cage;
   };
-  struct Case { const char* name; Cage cage; bool isRefused; } cases[] = {
-    {"15 corners", prismCage(15), false}, {"17 corners", prismCage(17), true}, {"40 corners", prismCage(40), true},
-    {"200 corners", prismCage(200), true}, {"64 faces", trapezohedronCage(64), false},
-    {"65 faces", trapezohedronCage(65), false}, {"1024 faces", trapezohedronCage(1024), false},
-    {"1025 faces", trapezohedronCage(1025), true}, {"Embree's longest ring", fan(62, 5), false},
-    {"the longest ring", fan(1022, 5), false}, {"a ring too long by one", fan(1022, 6), true},
-    {"1025 with the border", fan(1023, 4), true}};
+  struct Case {
+    const char* name;
+    Cage cage;
+    bool isRefused;
+  } cases[] = {{"15 corners", prismCage(15), false},
+               {"17 corners", prismCage(17), true},
+               {"40 corners", prismCage(40), true},
+               {"200 corners", prismCage(200), true},
+               {"64 faces", trapezohedronCage(64), false},
+               {"65 faces", trapezohedronCage(65), false},
+               {"1024 faces", trapezohedronCage(1024), false},
+               {"1025 faces", trapezohedronCage(1025), true},
+               {"Embree's longest ring", fan(62, 5), false},
+               {"the longest ring", fan(1022, 5), false},
+               {"a ring too long by one", fan(1022, 6), true},
+               {"1025 with the border", fan(1023, 4), true}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     forEachForm(c.cage, nullptr, [&](Device& device, RTCGeometry geometry, On on) {
       const unsigned numFaces = unsigned(c.cage.faces.size());
-      for (unsigned f = 0; f < numFaces; f += 1 + numFaces/20)
+      for (unsigned f = 0; f < numFaces; f += 1 + numFaces / 20)
         if (c.isRefused) expectRefused(device, geometry, f, on, outOfBounds);
         else expectFinite(device, geometry, f, on);
       for (unsigned f : {numFaces, RTC_INVALID_GEOMETRY_ID}) // the second is the primID of a ray that misses
@@ -190,8 +190,7 @@ TEST(Interpolation, UnsupportedFacesAreErrors)
 }
 
 // A pentagon has the sub-patches 0 to 4. Embree would read past them.
-TEST(Interpolation, SubPatchesThatDoNotExistAreErrors)
-{
+TEST(Interpolation, SubPatchesThatDoNotExistAreErrors) {
   const float odd[] = {-1, -0.01f, 8, 9, 1e7f, 1e30f, -1e30f, INFINITY, -INFINITY, NAN};
   forEachForm(prismCage(5), nullptr, [&](Device& device, RTCGeometry geometry, On on) {
     const auto expectAt = [&](float u, float v, bool exists) {
@@ -207,7 +206,7 @@ TEST(Interpolation, SubPatchesThatDoNotExistAreErrors)
       interpolateN(geometry, 0, on, false, u, v);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "no lane is active: " << device.message;
     };
-    for (unsigned i = 0; i < 16; i++) expectAt(1 + 2.0f*float(i%4), 1 + 2.0f*float(i/4), i < 5);
+    for (unsigned i = 0; i < 16; i++) expectAt(1 + 2.0f * float(i % 4), 1 + 2.0f * float(i / 4), i < 5);
     for (float x : odd) {
       expectAt(x, 1, false);
       expectAt(1, x, false);
@@ -220,13 +219,15 @@ TEST(Interpolation, SubPatchesThatDoNotExistAreErrors)
 }
 
 // A face may be supported in the surface's topology, but not in an attribute's.
-TEST(Interpolation, EachTopologyHasItsOwnLimits)
-{
+TEST(Interpolation, EachTopologyHasItsOwnLimits) {
   const Cage poles = trapezohedronCage(1025), single = quadCage();
   Cage loose;
   for (unsigned f = 0; f < poles.faces.size(); f++) {
-    for (Vec p : single.positions) { p[2] = float(f); loose.positions.push_back(p); }
-    loose.addFace({4*f, 4*f + 1, 4*f + 2, 4*f + 3});
+    for (Vec p : single.positions) {
+      p[2] = float(f);
+      loose.positions.push_back(p);
+    }
+    loose.addFace({4 * f, 4 * f + 1, 4 * f + 2, 4 * f + 3});
   }
   forEachForm(loose, &poles, [&](Device& device, RTCGeometry geometry, On on) {
     for (unsigned f = 0; f < poles.faces.size(); f += 131)
@@ -236,8 +237,7 @@ TEST(Interpolation, EachTopologyHasItsOwnLimits)
 }
 
 // Faces with 0, 1 and 2 corners between the faces of a cube, and at its end.
-TEST(Interpolation, DegenerateFacesHaveNoInfluence)
-{
+TEST(Interpolation, DegenerateFacesHaveNoInfluence) {
   const Cage cube = cubeCage();
   for (const std::vector<unsigned>& few : {std::vector<unsigned>{0}, {1}, {2}, {1, 1}, {0, 1, 2, 1, 0}}) {
     Cage cage;
@@ -256,7 +256,7 @@ TEST(Interpolation, DegenerateFacesHaveNoInfluence)
       addFew(own);
       sound.push_back(unsigned(cage.faces.size()));
       cage.faces.push_back(4);
-      cage.indices.insert(cage.indices.end(), &cube.indices[4*f], &cube.indices[4*f] + 4);
+      cage.indices.insert(cage.indices.end(), &cube.indices[4 * f], &cube.indices[4 * f] + 4);
     }
     addFew(own);
     cage.faces.push_back(1);
@@ -292,8 +292,7 @@ TEST(Interpolation, DegenerateFacesHaveNoInfluence)
   }
 }
 
-TEST(Interpolation, HolesMatchTheFaceAlone)
-{
+TEST(Interpolation, HolesMatchTheFaceAlone) {
   for (const Cage& whole : {cubeCage(), prismCage(3), prismCage(5), sheetCage(3)})
     for (unsigned hole : {0u, 3u}) {
       SCOPED_TRACE(testing::Message() << whole.faces.size() << " faces, hole " << hole);
@@ -313,5 +312,4 @@ TEST(Interpolation, HolesMatchTheFaceAlone)
     }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,15 +12,11 @@
 #include <algorithm>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 class InvalidVertices : public testing::TestWithParam<RTCCompression> {};
 
-std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
-{
-  return kindName(info.param);
-}
+std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
 INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices,
                          testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
                                          RTC_COMPRESSION_CVERT),
@@ -28,14 +24,13 @@ INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices,
 
 constexpr int quads = 16;
 
-int lattice(float u) { return int(std::lround(u*quads)); }
+int lattice(float u) { return int(std::lround(u * quads)); }
 
-TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
-{
+TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut) {
   RecordProperty(
-    "property",
-    "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders "
-    "of blocks, on the rim");
+      "property",
+      "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders "
+      "of blocks, on the rim");
   Device device;
   // vertex (x, y) of the grid is invalid: inside a block, on the border of two blocks, on a corner of four blocks, on
   // the rim
@@ -50,10 +45,13 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
     for (int frameLevel : {0, 1, 2, 4}) {
       SCOPED_TRACE(testing::Message() << "set " << set << ", frame level " << frameLevel);
       auto isBad = [&](int x, int y) {
-        for (const auto& p : sets[set]) if (p[0] == x && p[1] == y) return true;
+        for (const auto& p : sets[set])
+          if (p[0] == x && p[1] == y) return true;
         return false;
       };
-      auto isBadQuad = [&](int x, int y) { return isBad(x, y) || isBad(x+1, y) || isBad(x, y+1) || isBad(x+1, y+1); };
+      auto isBadQuad = [&](int x, int y) {
+        return isBad(x, y) || isBad(x + 1, y) || isBad(x, y + 1) || isBad(x + 1, y + 1);
+      };
       size_t invalid = 0;
       for (int y = 0; y < quads; y++)
         for (int x = 0; x < quads; x++) invalid += isBadQuad(x, y);
@@ -69,7 +67,7 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
       const SurfaceScene scene(device, quadCage(), settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
       EXPECT_TRUE(containsInOrder(
-        device.message, {"geometry 0, face 0:", "finite", " 1 face", " " + std::to_string(invalid) + " quads"}));
+          device.message, {"geometry 0, face 0:", "finite", " 1 face", " " + std::to_string(invalid) + " quads"}));
       EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
       RTCBounds bounds;
       rtcGetSceneBounds(scene, &bounds);
@@ -80,29 +78,28 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
       // overlap or thickness.
       for (int y = 0; y < quads; y++)
         for (int x = 0; x < quads; x++) {
-          const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
+          const float u = (x + 0.3f) / quads, v = (y + 0.3f) / quads;
           const RTCRayHit ray = makeRay({u, v, 1}, {0, 0, -1});
           const RTCRayHit hit = intersect(scene, ray);
           ASSERT_EQ(occluded(scene, ray), isHit(hit));
           if (!isBadQuad(x, y)) { ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y; }
           // cGRID and cVERT have vertices: the other triangle of a quad may be visible, as in GRID
-          const bool badTriangle = isBad(x, y) || isBad(x+1, y) || isBad(x, y+1);
+          const bool badTriangle = isBad(x, y) || isBad(x + 1, y) || isBad(x, y + 1);
           if (badTriangle && hasVertices) { ASSERT_FALSE(isHit(hit)) << "quad " << x << ", " << y; }
           if (!isHit(hit)) continue;
           ASSERT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.Ng_x + hit.hit.Ng_y + hit.hit.Ng_z));
           ASSERT_NEAR(hit.ray.tfar, 1, 0.1f);
-          const int i = int(hit.hit.u*quads), j = int(hit.hit.v*quads);
+          const int i = int(hit.hit.u * quads), j = int(hit.hit.v * quads);
           if (hasVertices) continue;
-          ASSERT_FALSE(isBadQuad(std::min(i, quads-1), std::min(j, quads-1)) &&
-                       std::fabs(hit.hit.u*quads - i - 0.5f) < 0.49f &&
-                       std::fabs(hit.hit.v*quads - j - 0.5f) < 0.49f)
-            << "hit in a quad that is left out";
+          ASSERT_FALSE(isBadQuad(std::min(i, quads - 1), std::min(j, quads - 1)) &&
+                       std::fabs(hit.hit.u * quads - i - 0.5f) < 0.49f &&
+                       std::fabs(hit.hit.v * quads - j - 0.5f) < 0.49f)
+              << "hit in a quad that is left out";
         }
     }
 }
 
-TEST_P(InvalidVertices, HolesStayOpen)
-{
+TEST_P(InvalidVertices, HolesStayOpen) {
   RecordProperty("property", "a hole of quads that are left out stays open");
   // a hole of 6 x 6 quads is wider than any overlap
   Device device;
@@ -119,13 +116,12 @@ TEST_P(InvalidVertices, HolesStayOpen)
   settings.frameLevel = 0;
   const SurfaceScene scene(device, quadCage(), settings);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 36u);
-  EXPECT_FALSE(isHit(intersect(scene, makeRay({7.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
-  EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
+  EXPECT_FALSE(isHit(intersect(scene, makeRay({7.0f / quads, 7.0f / quads, 1}, {0, 0, -1}))));
+  EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f / quads, 7.0f / quads, 1}, {0, 0, -1}))));
 }
 
 // cVOXEL stores patches with holes as cLEAF: the same bytes, including frames.
-TEST(VoxelsWithHoles, MatchBlocksOfLeaves)
-{
+TEST(VoxelsWithHoles, MatchBlocksOfLeaves) {
   Device device;
   Displacement displacement;
   displacement.amplitude = 0.1f;
@@ -146,8 +142,7 @@ TEST(VoxelsWithHoles, MatchBlocksOfLeaves)
   EXPECT_EQ(blocks[0], blocks[1]);
 }
 
-TEST_P(InvalidVertices, SceneOfOnlyInvalidVerticesIsEmpty)
-{
+TEST_P(InvalidVertices, SceneOfOnlyInvalidVerticesIsEmpty) {
   RecordProperty("property", "a scene of nothing but vertices that are not finite is empty, and tracing it ends");
   Device device;
   Displacement displacement;
@@ -157,14 +152,13 @@ TEST_P(InvalidVertices, SceneOfOnlyInvalidVerticesIsEmpty)
   settings.compression = GetParam();
   const SurfaceScene scene(device, cubeCage(), settings);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 6u*16*16);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 6u * 16 * 16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, 0u);
   EXPECT_FALSE(isHit(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1}))));
   EXPECT_FALSE(occluded(scene, makeRay({0, 0, 5}, {0, 0, -1})));
 }
 
-TEST_P(InvalidVertices, FacesNextToInvalidOnesAreComplete)
-{
+TEST_P(InvalidVertices, FacesNextToInvalidOnesAreComplete) {
   RecordProperty("property", "faces next to one whose vertices are not finite are complete");
   Device device;
   Displacement displacement;
@@ -174,18 +168,17 @@ TEST_P(InvalidVertices, FacesNextToInvalidOnesAreComplete)
   settings.compression = GetParam();
   settings.frameLevel = 2;
   const SurfaceScene scene(device, cubeCage(), settings);
-  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
-  EXPECT_EQ(statisticsOf(scene).numBlocks, GetParam() == RTC_COMPRESSION_CVERT ? 5u : 5u*16);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u * 16);
+  EXPECT_EQ(statisticsOf(scene).numBlocks, GetParam() == RTC_COMPRESSION_CVERT ? 5u : 5u * 16);
   Random random(71);
   for (int i = 0; i < 2000; i++) { // from the center: all sides except for -y
     Vec d = {float(random.uniform(-1, 1)), float(random.uniform(-0.5, 1)), float(random.uniform(-1, 1))};
-    if (d[1] < 0 && std::fabs(d[1]) > 0.5f*std::max(std::fabs(d[0]), std::fabs(d[2]))) continue;
+    if (d[1] < 0 && std::fabs(d[1]) > 0.5f * std::max(std::fabs(d[0]), std::fabs(d[2]))) continue;
     ASSERT_TRUE(isHit(intersect(scene, makeRay({0, 0, 0}, d))));
   }
 }
 
-TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
-{
+TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace) {
   RecordProperty("property", "vertices that are not finite are an error of the device, once, with geometry and face");
   Device device;
   Displacement sound, bad, worse;
@@ -202,8 +195,8 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   }
   std::vector<std::string> messages;
   rtcSetDeviceErrorFunction(
-    device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
-    &messages);
+      device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
+      &messages);
   auto commit = [&]() {
     messages.clear();
     rtcCommitScene(scene);
@@ -228,8 +221,7 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
 }
 
 // Except in cVERT, GRID traces such faces.
-TEST_P(InvalidVertices, AreReportedAtEdgeRatesAbove256)
-{
+TEST_P(InvalidVertices, AreReportedAtEdgeRatesAbove256) {
   Device device;
   Displacement displacement;
   displacement.poison = [](unsigned, float u, float v) { // in the middle
@@ -246,8 +238,7 @@ TEST_P(InvalidVertices, AreReportedAtEdgeRatesAbove256)
 }
 
 // A canceled commit reports nothing.
-TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
-{
+TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit) {
   RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was canceled");
   Device device("threads=1");
   Displacement bad, sound;
@@ -262,7 +253,7 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
   using Errors = std::vector<std::pair<RTCError, std::string>>;
   Errors errors;
   rtcSetDeviceErrorFunction(
-    device, [](void* list, RTCError code, const char* text) { ((Errors*)list)->emplace_back(code, text); }, &errors);
+      device, [](void* list, RTCError code, const char* text) { ((Errors*)list)->emplace_back(code, text); }, &errors);
   double cancelAt = 0.6; // in the second surface
   rtcSetSceneProgressMonitorFunction(scene, [](void* at, double n) { return n < *(double*)at; }, &cancelAt);
   rtcCommitScene(scene);
@@ -276,8 +267,7 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
   EXPECT_TRUE(containsInOrder(errors[0].second, {"geometry 0, face 3:", "finite", " 1 face", " 1 quad"}));
 }
 
-TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
-{
+TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit) {
   RecordProperty("property", "vertices that are not finite are an error on one of the threads that join a commit");
   Device device;
   Displacement displacement;
@@ -300,8 +290,7 @@ TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
 }
 
 // A needle has no usable frame, and GRID, which traces such blocks, does not support holes.
-TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
-{
+TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept) {
   RecordProperty("property", "a block without a usable frame keeps its finite quads");
   const float width = 1e-5f;
   Cage needle = quadCage();
@@ -320,8 +309,8 @@ TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
     EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4u);
     for (int y = 0; y < quads; y++)
       for (int x = 0; x < quads; x++) {
-        const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
-        const RTCRayHit hit = intersect(scene, makeRay({u, v*width, 1}, {0, 0, -1}));
+        const float u = (x + 0.3f) / quads, v = (y + 0.3f) / quads;
+        const RTCRayHit hit = intersect(scene, makeRay({u, v * width, 1}, {0, 0, -1}));
         if (x == 8 && y == 4) continue; // its first triangle is valid and may be visible
         if ((x == 8 || x == 9) && (y == 4 || y == 5)) {
           EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y;
@@ -336,11 +325,10 @@ TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
 }
 
 // The surface of a face depends on the vertices of all faces around its corners.
-TEST_P(InvalidVertices, ControlVerticesAreCountedAndNamed)
-{
+TEST_P(InvalidVertices, ControlVerticesAreCountedAndNamed) {
   RecordProperty("property", "faces that a control vertex which is not finite leaves without surface are counted and "
                              "reported with the vertex, and no others are left out");
-  const unsigned side = 8, bad = 3*(side + 1) + 4; // faces 1 to 4 along v, and 2 to 5 along u, depend on the vertex
+  const unsigned side = 8, bad = 3 * (side + 1) + 4; // faces 1 to 4 along v, and 2 to 5 along u, depend on the vertex
   for (float value : notFinite)
     for (unsigned timeSteps : {1u, 2u}) {
       if (timeSteps > 1 && GetParam() != RTC_COMPRESSION_CVERT) continue;
@@ -357,23 +345,23 @@ TEST_P(InvalidVertices, ControlVerticesAreCountedAndNamed)
       const std::string text = testing::internal::GetCapturedStderr();
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << "Embree skips such faces silently: " << device.message;
       EXPECT_TRUE(containsInOrder(text, {"geometry 0, face 10:", " vertex " + std::to_string(bad) + " ", "finite",
-                                         " 16 face", " 4096 quads\n"})) << text;
+                                         " 16 face", " 4096 quads\n"}))
+          << text;
       const RTCCompressionStatistics statistics = statisticsOf(scene);
-      EXPECT_EQ(statistics.numInvalidQuads, 16u*quads*quads);
-      EXPECT_EQ(statistics.numQuads, (side*side - 16u)*quads*quads);
+      EXPECT_EQ(statistics.numInvalidQuads, 16u * quads * quads);
+      EXPECT_EQ(statistics.numQuads, (side * side - 16u) * quads * quads);
       EXPECT_EQ(statistics.firstInvalidGeomID, 0u);
       EXPECT_EQ(statistics.firstInvalidPrimID, 10u);
       for (unsigned y = 0; y < side; y++)
         for (unsigned x = 0; x < side; x++) {
           const bool isLeftOut = x >= 2 && x < 6 && y >= 1 && y < 5;
-          const Vec center = {(2*x + 1)/float(side) - 0.99f, (2*y + 1)/float(side) - 0.99f, 5};
+          const Vec center = {(2 * x + 1) / float(side) - 0.99f, (2 * y + 1) / float(side) - 0.99f, 5};
           ASSERT_EQ(isHit(intersect(scene, makeRay(center, {0, 0, -1}))), !isLeftOut) << "face " << x << ", " << y;
         }
     }
 }
 
-TEST_P(InvalidVertices, HolesAndUnsupportedFacesAreNotCounted)
-{
+TEST_P(InvalidVertices, HolesAndUnsupportedFacesAreNotCounted) {
   Device device;
   Cage cage = sheetCage(8);
   cage.positions[31][2] = NAN;
@@ -382,7 +370,7 @@ TEST_P(InvalidVertices, HolesAndUnsupportedFacesAreNotCounted)
   settings.rate = 4;
   settings.compression = GetParam();
   testing::internal::CaptureStderr();
-  EXPECT_EQ(statisticsOf(SurfaceScene(device, cage, settings)).numInvalidQuads, 11u*16);
+  EXPECT_EQ(statisticsOf(SurfaceScene(device, cage, settings)).numInvalidQuads, 11u * 16);
   const std::string text = testing::internal::GetCapturedStderr();
   EXPECT_TRUE(containsInOrder(text, {"face 19:", " vertex 31 "})) << text;
   cage = sheetCage(8);
@@ -393,8 +381,7 @@ TEST_P(InvalidVertices, HolesAndUnsupportedFacesAreNotCounted)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut)
-{
+TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut) {
   RecordProperty("property", "coordinates up to 1e37 are supported or left out: no crash, and hits up to 1e15");
   Device device;
   for (float scale : {1e10f, 1e15f, 1e18f, 1e25f, 1e30f, 1e37f}) {
@@ -411,5 +398,4 @@ TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -11,8 +11,7 @@
 #include <map>
 #include <utility>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 const double lattice = 0x1p-10;
 const double slack = 1e-3; // of parameters: triangles are small
@@ -21,18 +20,16 @@ class IrregularMeshes : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Isas, IrregularMeshes, testing::Values(TEST_ISAS), nameOfIsa);
 
-void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random)
-{
+void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random) {
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   const RTCCompressionStatistics stats = statisticsOf(scene);
-  ASSERT_GE(stats.numQuads, mesh.isTriangleForm() ? mesh.size()/2 : mesh.size());
-  ASSERT_GE(stats.numIrregularQuads, stats.numQuads/8);
+  ASSERT_GE(stats.numQuads, mesh.isTriangleForm() ? mesh.size() / 2 : mesh.size());
+  ASSERT_GE(stats.numIrregularQuads, stats.numQuads / 8);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   expectSameQueries(embree, scene, raysAt(random, mesh, 1003), slack);
 }
 
-TEST_P(IrregularMeshes, HitsMatchEmbree)
-{
+TEST_P(IrregularMeshes, HitsMatchEmbree) {
   for (const char* error : {"", ",cbvh_max_error=0"}) {
     Device device((GetParam() + std::string(error)).c_str());
     if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
@@ -46,8 +43,7 @@ TEST_P(IrregularMeshes, HitsMatchEmbree)
   }
 }
 
-TEST_P(IrregularMeshes, MasksFiltersAndInstances)
-{
+TEST_P(IrregularMeshes, MasksFiltersAndInstances) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(152);
@@ -60,8 +56,7 @@ TEST_P(IrregularMeshes, MasksFiltersAndInstances)
 }
 
 // Rays from inside a closed surface at edges and vertices, for any lattice, welded or not.
-TEST_P(IrregularMeshes, ClosedSurfacesDoNotLeak)
-{
+TEST_P(IrregularMeshes, ClosedSurfacesDoNotLeak) {
   for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.05"}) {
     Device device((GetParam() + std::string(error)).c_str());
     if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
@@ -69,14 +64,14 @@ TEST_P(IrregularMeshes, ClosedSurfacesDoNotLeak)
     const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
     const DicedMesh triangles = partlyIrregular(ball, random, true), quads = partlyIrregular(ball, random, false);
     for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random), triangles, quads,
-      unwelded(triangles), unwelded(quads)}) {
+                                  unwelded(triangles), unwelded(quads)}) {
       SCOPED_TRACE(std::string(error) + (mesh.isTriangleForm() ? ", triangles" : ", quads"));
       const MeshScene scene(device, mesh);
       ASSERT_GT(statisticsOf(scene).numIrregularQuads, 1500u);
       std::vector<RTCRayHit> rays;
       for (unsigned i = 0; i < 20000; i++) {
         const unsigned* v = mesh.isTriangleForm() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
-          : mesh.quads[random.below(unsigned(mesh.size()))].data();
+                                                  : mesh.quads[random.below(unsigned(mesh.size()))].data();
         const unsigned n = mesh.isTriangleForm() ? 3 : 4, k = random.below(n);
         rays.push_back(rayFromMiddle(random, mesh.vertices[v[k]], mesh.vertices[v[(k + 1) % n]]));
       }
@@ -87,8 +82,7 @@ TEST_P(IrregularMeshes, ClosedSurfacesDoNotLeak)
 
 // Divides edges of some triangles of a closed mesh in the middle. A flat triangle closes the gap to the undivided
 // neighbor, alone or as half of a quad.
-DicedMesh dividedOnOneSide(DicedMesh mesh, Random& random, bool asQuads)
-{
+DicedMesh dividedOnOneSide(DicedMesh mesh, Random& random, bool asQuads) {
   DicedMesh out;
   for (Vec& p : mesh.vertices)
     for (float& x : p) x = roundTo(x, 0x1p-12);
@@ -107,7 +101,7 @@ DicedMesh dividedOnOneSide(DicedMesh mesh, Random& random, bool asQuads)
     if (isDone[i] || isDone[neighbor] || random.chance(0.5)) continue;
     const unsigned middle = unsigned(out.vertices.size());
     Vec m;
-    for (int k = 0; k < 3; k++) m[k] = 0.5f*(mesh.vertices[a][k] + mesh.vertices[b][k]); // exact
+    for (int k = 0; k < 3; k++) m[k] = 0.5f * (mesh.vertices[a][k] + mesh.vertices[b][k]); // exact
     out.vertices.push_back(m);
     add(a, middle, c);
     add(middle, b, c);
@@ -126,8 +120,7 @@ DicedMesh dividedOnOneSide(DicedMesh mesh, Random& random, bool asQuads)
   return out;
 }
 
-TEST_P(IrregularMeshes, FlatTrianglesCloseGaps)
-{
+TEST_P(IrregularMeshes, FlatTrianglesCloseGaps) {
   for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.02"}) {
     Device device((GetParam() + std::string(error)).c_str());
     if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
@@ -150,14 +143,13 @@ TEST_P(IrregularMeshes, FlatTrianglesCloseGaps)
   }
 }
 
-TEST(IrregularMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
-{
+TEST(IrregularMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle) {
   Memory memory;
   Device device;
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
   Random random(154);
   const DicedMesh quads = jittered(meshOf(dicedSheet(1, 200), QuadOrder::Rows, random), random, 0.002),
-    mesh = irregularTriangles(quads, random, false);
+                  mesh = irregularTriangles(quads, random, false);
   Scene scene(device);
   const ssize_t empty = memory.live;
   RTCGeometry input = newMesh(device, mesh, RTC_COMPRESSION_NONE);
@@ -165,18 +157,17 @@ TEST(IrregularMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   rtcReleaseGeometry(input);
   attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
   rtcCommitScene(scene);
-  const double bytes = double(memory.live - empty - inputBytes)/double(mesh.size());
+  const double bytes = double(memory.live - empty - inputBytes) / double(mesh.size());
   const RTCCompressionStatistics stats = statisticsOf(scene);
-  const auto each = [&](size_t n) { return double(n)/double(mesh.size()); };
+  const auto each = [&](size_t n) { return double(n) / double(mesh.size()); };
   std::printf("%.2f bytes per triangle (%.2f tree, %.2f headers, %.2f boxes, %.2f the rest)\n", bytes,
-    each(stats.topLevelBytes), each(stats.headerBytes), each(stats.nodeBytes), each(stats.leafBytes));
+              each(stats.topLevelBytes), each(stats.headerBytes), each(stats.nodeBytes), each(stats.leafBytes));
   EXPECT_LE(each(stats.topLevelBytes + stats.headerBytes + stats.nodeBytes + stats.leafBytes), 6.7);
   EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 
 // If most triangles are so thin that the default lattice flips them, all vertices use a finer one.
-TEST(IrregularMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
-{
+TEST(IrregularMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin) {
   const auto spacingOf = [](float width, unsigned thin) {
     Device device;
     Random random(156);
@@ -185,7 +176,7 @@ TEST(IrregularMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
       float p[3];
       for (float& x : p) x = float(random.uniform(0, 100));
       const float y = i % 10 < thin ? width : 0.5f;
-      mesh.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+      mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
       mesh.vertices.push_back({p[0], p[1], p[2]});
       mesh.vertices.push_back({p[0] + 1, p[1] + 0.3f, p[2] + 0.2f});
       mesh.vertices.push_back({p[0] + 1, p[1] + 0.3f + y, p[2] + 0.2f - y});
@@ -195,44 +186,42 @@ TEST(IrregularMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
     rtcCommitScene(scene);
     const RTCCompressionStatistics stats = statisticsOf(scene);
     EXPECT_EQ(stats.numIrregularQuads, 2000u);
-    EXPECT_LE(stats.maxVertexDeviation, 0.8661*stats.maxVertexSpacing);
+    EXPECT_LE(stats.maxVertexDeviation, 0.8661 * stats.maxVertexSpacing);
     return stats.maxVertexSpacing;
   };
   const double fine = spacingOf(5e-5f, 8), coarse = spacingOf(5e-5f, 3);
   EXPECT_GT(fine, 0);
-  EXPECT_LE(fine, coarse/64);
+  EXPECT_LE(fine, coarse / 64);
   EXPECT_EQ(spacingOf(0.5f, 8), coarse);
 }
 
 // Blocks of a part of a mesh leave no large remainders of allocations.
-TEST(IrregularMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
-{
+TEST(IrregularMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly) {
   for (unsigned side : {150, 180, 205, 230, 255, 290, 520}) {
     SCOPED_TRACE(side);
     Memory memory;
     Device device("threads=1");
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
     Random random(155);
-    const DicedMesh mesh = irregularTriangles(
-      jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3/side), random);
+    const DicedMesh mesh =
+        irregularTriangles(jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3 / side), random);
     Scene scene(device);
     const ssize_t before = memory.live;
     attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
     rtcCommitScene(scene);
     const RTCCompressionStatistics stats = statisticsOf(scene);
     const double stored =
-      double(stats.topLevelBytes + stats.headerBytes + stats.nodeBytes + stats.leafBytes + stats.inputBytes);
-    EXPECT_LE(double(memory.live - before) - stored, 0.05*stored);
+        double(stats.topLevelBytes + stats.headerBytes + stats.nodeBytes + stats.leafBytes + stats.inputBytes);
+    EXPECT_LE(double(memory.live - before) - stored, 0.05 * stored);
   }
 }
 
 // In a mesh that is mostly irregular, small grids without an order of their triangles would take more memory.
-TEST(IrregularMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks)
-{
+TEST(IrregularMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks) {
   Device device;
   Random random(156);
   const unsigned side = 112;
-  const DicedMesh sheet = jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3/side);
+  const DicedMesh sheet = jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3 / side);
   DicedMesh regular = sheet, others = sheet;
   regular.quads.clear();
   others.quads.clear();
@@ -243,9 +232,8 @@ TEST(IrregularMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks)
   mesh = withShuffledFaces(mesh, random);
   const MeshScene mixed(device, mesh), irregular(device, irregularTriangles(sheet, random));
   const RTCCompressionStatistics stats = statisticsOf(mixed);
-  EXPECT_GE(stats.numIrregularQuads, 0.99*double(stats.numQuads)); // a few regions are larger by chance
-  EXPECT_LE(double(stats.numBlocks), 1.1*double(statisticsOf(irregular).numBlocks));
+  EXPECT_GE(stats.numIrregularQuads, 0.99 * double(stats.numQuads)); // a few regions are larger by chance
+  EXPECT_LE(double(stats.numBlocks), 1.1 * double(statisticsOf(irregular).numBlocks));
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

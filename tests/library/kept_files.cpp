@@ -22,18 +22,16 @@
 #include <memory>
 #include <set>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // --- what the files contain -------------------------------------------------------------------
 
 const std::string folder = KEPT_FILES "/";
 
-struct KeptFile
-{
-  std::string name;     // of NAME.cbvh and NAME.txt
-  uint32_t vertVersion; // of the header: the newest version of its cVERT blocks
-  uint32_t checksum;    // of all bytes; 0 until the file is written
+struct KeptFile {
+  std::string name;                           // of NAME.cbvh and NAME.txt
+  uint32_t vertVersion;                       // of the header: the newest version of its cVERT blocks
+  uint32_t checksum;                          // of all bytes; 0 until the file is written
   std::function<RTCGeometry(RTCDevice)> make; // the encoder's input when the file was written
 
   std::string path() const { return folder + name + ".cbvh"; }
@@ -41,14 +39,12 @@ struct KeptFile
   std::string textPath() const { return folder + name + ".txt"; }
 };
 
-Vec moved(const Vec& p, unsigned step)
-{
-  const float s = 0.125f*float(step);
-  return {p[0] + s, p[1], p[2] + s*p[0]};
+Vec moved(const Vec& p, unsigned step) {
+  const float s = 0.125f * float(step);
+  return {p[0] + s, p[1], p[2] + s * p[0]};
 }
 
-RTCGeometry newCage(RTCDevice device, const Cage& cage, RTCCompression compression, float rate, unsigned timeSteps)
-{
+RTCGeometry newCage(RTCDevice device, const Cage& cage, RTCCompression compression, float rate, unsigned timeSteps) {
   static Displacement displacement;
   displacement.lattice = 0x1p-10;
   SurfaceSettings settings;
@@ -61,19 +57,17 @@ RTCGeometry newCage(RTCDevice device, const Cage& cage, RTCCompression compressi
   return releasing(newSurface(device, cage, settings), compression, RTC_COMPRESSION_FRAME_LEVEL_INHERIT, 0);
 }
 
-DicedMesh smallSheet(unsigned quads, Random& random)
-{
+DicedMesh smallSheet(unsigned quads, Random& random) {
   DicedMesh sheet = meshOf(dicedSheet(1, quads, 0x1p-10), QuadOrder::Rows, random);
   sheet.motion = moved;
   return sheet;
 }
 
 // A grid of arbitrary floats, which needs remainders, and one with a NaN, which is stored as floats.
-RTCGeometry newLosslessGrids(RTCDevice device)
-{
+RTCGeometry newLosslessGrids(RTCDevice device) {
   Diced grids = dicedSheet(1, 12);
   grids.add(6, 5, [](unsigned x, unsigned y) {
-    return Vec{0.15f*float(x) - 0.3f, 0.15f*float(y) - 0.3f, x == 2 && y == 1 ? NAN : 0.3f + 0.01f*float(x*y)};
+    return Vec{0.15f * float(x) - 0.3f, 0.15f * float(y) - 0.3f, x == 2 && y == 1 ? NAN : 0.3f + 0.01f * float(x * y)};
   });
   RTCGeometry geometry = newGrids(device, grids);
   RTCCompressionArguments args;
@@ -86,40 +80,35 @@ RTCGeometry newLosslessGrids(RTCDevice device)
   return geometry;
 }
 
-RTCGeometry newKeptMesh(RTCDevice device, const DicedMesh& mesh, unsigned timeSteps)
-{
+RTCGeometry newKeptMesh(RTCDevice device, const DicedMesh& mesh, unsigned timeSteps) {
   return newMesh(device, mesh, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
 }
 
-std::vector<KeptFile> allKeptFiles()
-{
-  return {
-    {"framed1_leaves", 5, 0x22c5e68b, [](RTCDevice device) {
-      return newCage(device, cubeCage(), RTC_COMPRESSION_CLEAF, 6, 1);
-    }},
-    {"vert5_cage", 5, 0x8cc4c716, [](RTCDevice device) {
-      return newCage(device, sheetCage(5), RTC_COMPRESSION_CVERT, 4, 1);
-    }},
-    {"vert5_moving_cage", 5, 0x0a957573, [](RTCDevice device) {
-      return newCage(device, sheetCage(2), RTC_COMPRESSION_CVERT, 5, 3);
-    }},
-    {"vert5_lossless_grids", 5, 0xfe82b268, newLosslessGrids},
-    {"vert5_diced_triangles", 5, 0xccfd560d, [](RTCDevice device) {
-      Random random(1);
-      return newKeptMesh(device, withShuffledFaces(trianglesOf(smallSheet(14, random), 1, 2), random), 1);
-    }},
-    {"mesh6_triangles", 6, 0xa54c2ea9, [](RTCDevice device) {
-      Random random(2);
-      return newKeptMesh(device, irregularTriangles(smallSheet(12, random), random), 1);
-    }},
-    {"mesh7_moving_triangles", 7, 0xc7bc8410, [](RTCDevice device) {
-      Random random(3);
-      return newKeptMesh(device, irregularTriangles(smallSheet(12, random), random), 3);
-    }}};
+std::vector<KeptFile> allKeptFiles() {
+  return {{"framed1_leaves", 5, 0x22c5e68b,
+           [](RTCDevice device) { return newCage(device, cubeCage(), RTC_COMPRESSION_CLEAF, 6, 1); }},
+          {"vert5_cage", 5, 0x8cc4c716,
+           [](RTCDevice device) { return newCage(device, sheetCage(5), RTC_COMPRESSION_CVERT, 4, 1); }},
+          {"vert5_moving_cage", 5, 0x0a957573,
+           [](RTCDevice device) { return newCage(device, sheetCage(2), RTC_COMPRESSION_CVERT, 5, 3); }},
+          {"vert5_lossless_grids", 5, 0xfe82b268, newLosslessGrids},
+          {"vert5_diced_triangles", 5, 0xccfd560d,
+           [](RTCDevice device) {
+             Random random(1);
+             return newKeptMesh(device, withShuffledFaces(trianglesOf(smallSheet(14, random), 1, 2), random), 1);
+           }},
+          {"mesh6_triangles", 6, 0xa54c2ea9,
+           [](RTCDevice device) {
+             Random random(2);
+             return newKeptMesh(device, irregularTriangles(smallSheet(12, random), random), 1);
+           }},
+          {"mesh7_moving_triangles", 7, 0xc7bc8410, [](RTCDevice device) {
+             Random random(3);
+             return newKeptMesh(device, irregularTriangles(smallSheet(12, random), random), 3);
+           }}};
 }
 
-TEST(KeptFiles, EveryVersionHasOne)
-{
+TEST(KeptFiles, EveryVersionHasOne) {
   std::set<uint32_t> versions;
   for (const KeptFile& kept : allKeptFiles()) versions.insert(kept.vertVersion);
   for (uint32_t version = cvert::oldestVertVersion; version <= cvert::movingMeshFormatVersion; version++)
@@ -127,28 +116,25 @@ TEST(KeptFiles, EveryVersionHasOne)
 }
 
 // A file that was written again would test today's encoder instead of the bytes that users have.
-TEST(KeptFiles, AreNeverWrittenAgain)
-{
+TEST(KeptFiles, AreNeverWrittenAgain) {
   for (const KeptFile& kept : allKeptFiles()) {
     const std::string bytes = bytesOf(kept.path());
     EXPECT_EQ(cvert::fileChecksum(bytes.data(), bytes.size()), kept.checksum)
-      << kept.path() << " changed: restore it, see README.md in its folder";
+        << kept.path() << " changed: restore it, see README.md in its folder";
   }
 }
 
 // --- the codec alone --------------------------------------------------------------------------
 
-struct AnyBlock
-{
+struct AnyBlock {
   bool isMesh;
   const char* data;
   uint32_t numSteps;
 
-  std::vector<Vec> vertices(uint32_t step) const
-  {
-    const auto copy = [](const float (*from)[3], size_t count) {
+  std::vector<Vec> vertices(uint32_t step) const {
+    const auto copy = [](const float(*from)[3], size_t count) {
       std::vector<Vec> all(count);
-      std::memcpy(all.data(), from, count*sizeof(Vec));
+      std::memcpy(all.data(), from, count * sizeof(Vec));
       return all;
     };
     if (isMesh) {
@@ -156,25 +142,23 @@ struct AnyBlock
       return copy(decoded->vertices, decoded->numVertices);
     }
     const auto decoded = std::make_unique<cvert::DecodedBlock>((const cvert::VertHeader*)data, step);
-    return copy(decoded->vertices, (decoded->quadsX + 1)*(decoded->quadsY + 1));
+    return copy(decoded->vertices, (decoded->quadsX + 1) * (decoded->quadsY + 1));
   }
 };
 
 // The blocks of a file with one geometry, without blocks with frames, which the codec does not decode.
-std::vector<AnyBlock> blocksOf(const cvert::File& file)
-{
+std::vector<AnyBlock> blocksOf(const cvert::File& file) {
   std::vector<AnyBlock> all;
-  const cvert::Reason reason = cvert::forEachBlock(file.geometry(0), file.tree(0),
-    [&](cvert::FileChild type, uint64_t offset) {
-      if (type != cvert::FILE_FRAMED)
-        all.push_back({cvert::isMesh(type), file.blocks(0) + offset, file.geometry(0).numTimeSteps});
-    });
+  const cvert::Reason reason =
+      cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
+        if (type != cvert::FILE_FRAMED)
+          all.push_back({cvert::isMesh(type), file.blocks(0) + offset, file.geometry(0).numTimeSteps});
+      });
   EXPECT_EQ(reason.message(), "");
   return all;
 }
 
-TEST(KeptFiles, AreDecodedToTheSameVertices)
-{
+TEST(KeptFiles, AreDecodedToTheSameVertices) {
   for (const KeptFile& kept : allKeptFiles()) {
     SCOPED_TRACE(kept.name);
     const cvert::File file(kept.path());
@@ -193,30 +177,27 @@ TEST(KeptFiles, AreDecodedToTheSameVertices)
       const std::vector<Vec> vertices = blocks[expected.block].vertices(expected.step);
       ASSERT_LT(expected.index, vertices.size());
       EXPECT_EQ(std::memcmp(&vertices[expected.index], &expected.position, sizeof(Vec)), 0)
-        << "block " << expected.block << ", step " << expected.step << ", vertex " << expected.index;
+          << "block " << expected.block << ", step " << expected.step << ", vertex " << expected.index;
     }
   }
 }
 
 // --- Embree's library -------------------------------------------------------------------------
 
-class LoadedScene : public Scene
-{
+class LoadedScene : public Scene {
 public:
   LoadedScene(RTCDevice device, const KeptFile& kept)
-    : Scene(device), geometry(rtcLoadCompressedGeometry(device, kept.path().c_str()))
-  {
+    : Scene(device),
+      geometry(rtcLoadCompressedGeometry(device, kept.path().c_str())) {
     if (geometry) attach(*this, geometry);
     rtcCommitScene(*this);
   }
   const RTCGeometry geometry;
 };
 
-bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangle& triangle)
-{
+bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangle& triangle) {
   const RTCHit& hit = r.hit;
-  return isHit(r)
-    && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
+  return isHit(r) && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
 }
 
 // The hits in the text files were found with AVX2. Other instruction sets round u and v differently.
@@ -225,8 +206,7 @@ const std::string recordedIsa = "isa=avx2";
 class KeptFileHits : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Isas, KeptFileHits, testing::Values(TEST_ISAS), nameOfIsa);
 
-void expectEqual(const RTCRayHit& expected, const RTCRayHit& found)
-{
+void expectEqual(const RTCRayHit& expected, const RTCRayHit& found) {
   EXPECT_EQ(expected.ray.tfar, found.ray.tfar);
   EXPECT_EQ(expected.hit.u, found.hit.u);
   EXPECT_EQ(expected.hit.v, found.hit.v);
@@ -236,14 +216,13 @@ void expectEqual(const RTCRayHit& expected, const RTCRayHit& found)
 }
 
 // t and the normal are rounded once, from doubles. u and v have the errors of floats, on both instruction sets.
-void expectWithinRounding(RTCGeometry geometry, const RTCRayHit& expected, const RTCRayHit& found)
-{
+void expectWithinRounding(RTCGeometry geometry, const RTCRayHit& expected, const RTCRayHit& found) {
   RTCCompressedTriangle triangle;
   ASSERT_TRUE(findTriangle(geometry, found, triangle));
   const HitError error = ExactTriangleHit(found.ray, triangle).oursBound();
   EXPECT_NEAR(expected.ray.tfar, found.ray.tfar, ulpOf(expected.ray.tfar));
-  EXPECT_NEAR(expected.hit.u, found.hit.u, 2*error.u);
-  EXPECT_NEAR(expected.hit.v, found.hit.v, 2*error.v);
+  EXPECT_NEAR(expected.hit.u, found.hit.u, 2 * error.u);
+  EXPECT_NEAR(expected.hit.v, found.hit.v, 2 * error.v);
   const RTCHit &e = expected.hit, &f = found.hit;
   const double ulp = ulpOf(std::max({std::fabs(e.Ng_x), std::fabs(e.Ng_y), std::fabs(e.Ng_z)}));
   EXPECT_NEAR(e.Ng_x, f.Ng_x, ulp);
@@ -251,8 +230,7 @@ void expectWithinRounding(RTCGeometry geometry, const RTCRayHit& expected, const
   EXPECT_NEAR(e.Ng_z, f.Ng_z, ulp);
 }
 
-TEST_P(KeptFileHits, AreTheSame)
-{
+TEST_P(KeptFileHits, AreTheSame) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   for (const KeptFile& kept : allKeptFiles()) {
@@ -286,12 +264,11 @@ TEST_P(KeptFileHits, AreTheSame)
 
 // Hits are not near an edge of their triangle. Vertices that move from one lattice to another are floats at multiples
 // of 1/16 of the time range, so interpolation is exact. geometry: null if its triangles cannot be read.
-void addRays(Random& random, RTCScene scene, RTCGeometry geometry, float begin, float end, KeptHits& all)
-{
+void addRays(Random& random, RTCScene scene, RTCGeometry geometry, float begin, float end, KeptHits& all) {
   unsigned misses = 0;
   while (all.rays.size() < 32) {
     RTCRayHit ray = raysAt(random, 1)[0];
-    ray.ray.time = begin + 0.0625f*float(random.below(17))*(end - begin);
+    ray.ray.time = begin + 0.0625f * float(random.below(17)) * (end - begin);
     const RTCRayHit hit = intersect(scene, ray);
     RTCCompressedTriangle triangle;
     if (geometry && findTriangle(geometry, hit, triangle)) {
@@ -309,8 +286,7 @@ void addRays(Random& random, RTCScene scene, RTCGeometry geometry, float begin, 
  *     test_kept_files --gtest_also_run_disabled_tests --gtest_filter=*WriteMissing
  *
  * Then add the checksum that it prints. Files that exist are skipped. */
-TEST(KeptFiles, DISABLED_WriteMissing)
-{
+TEST(KeptFiles, DISABLED_WriteMissing) {
   Device device(recordedIsa);
   for (const KeptFile& kept : allKeptFiles()) {
     if (kept.checksum || !bytesOf(kept.path()).empty()) continue;
@@ -338,5 +314,4 @@ TEST(KeptFiles, DISABLED_WriteMissing)
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -23,21 +23,18 @@
 
 namespace cbvh::test {
 
-struct KeptVertex
-{
+struct KeptVertex {
   unsigned block, step, index; // block: in the order of the file
   Vec position;
 };
 
-struct KeptHits
-{
+struct KeptHits {
   std::vector<KeptVertex> vertices;
   std::vector<RTCRayHit> rays, hits; // hits[i].hit.geomID is 0 or RTC_INVALID_GEOMETRY_ID
 };
 
 // Throws std::runtime_error if the file is missing or has an invalid line.
-inline KeptHits readKeptHits(const std::string& path)
-{
+inline KeptHits readKeptHits(const std::string& path) {
   KeptHits all;
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot open " + path);
@@ -52,25 +49,21 @@ inline KeptHits readKeptHits(const std::string& path)
                     &p[2]) == 6) {
       vertex.position = p;
       all.vertices.push_back(vertex);
-    }
-    else if (std::sscanf(text, "ray %f %f %f %f %f %f %f", &p[0], &p[1], &p[2], &d[0], &d[1], &d[2], &time) == 7) {
+    } else if (std::sscanf(text, "ray %f %f %f %f %f %f %f", &p[0], &p[1], &p[2], &d[0], &d[1], &d[2], &time) == 7) {
       all.rays.push_back(makeRay(p, d));
       all.rays.back().ray.time = time;
       all.hits.push_back(all.rays.back());
-    }
-    else if (!all.hits.empty() && std::sscanf(text, "hit %u %f %f %f %f %f %f", &hit.primID,
-                                              &all.hits.back().ray.tfar, &hit.u, &hit.v, &hit.Ng_x, &hit.Ng_y,
-                                              &hit.Ng_z) == 7) {
+    } else if (!all.hits.empty() &&
+               std::sscanf(text, "hit %u %f %f %f %f %f %f", &hit.primID, &all.hits.back().ray.tfar, &hit.u, &hit.v,
+                           &hit.Ng_x, &hit.Ng_y, &hit.Ng_z) == 7) {
       hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
       all.hits.back().hit = hit;
-    }
-    else if (line != "miss") throw std::runtime_error("invalid line in " + path + ": " + line);
+    } else if (line != "miss") throw std::runtime_error("invalid line in " + path + ": " + line);
   }
   return all;
 }
 
-inline void writeKeptHits(const std::string& path, const std::string& description, const KeptHits& all)
-{
+inline void writeKeptHits(const std::string& path, const std::string& description, const KeptHits& all) {
   FILE* const file = std::fopen(path.c_str(), "wx"); // fails if the file exists
   if (!file) throw std::runtime_error("cannot create " + path);
   std::fprintf(file, "# %s\n", description.c_str());

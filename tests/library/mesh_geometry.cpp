@@ -17,8 +17,7 @@
 #include <mutex>
 #include <set>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 const double lattice = 0x1p-10;
 const double slack = 1e-3; // of parameters: quads are small, and Embree's floats are less accurate than on a grid
@@ -27,26 +26,24 @@ class MeshGeometry : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Isas, MeshGeometry, testing::Values(TEST_ISAS), nameOfIsa);
 
-struct Shape
-{
+struct Shape {
   std::string name;
   DicedMesh mesh;
 };
 
 // Meshes whose vertices are on the lattice, so that triangles are the same with and without compression.
-std::vector<Shape> shapes(Random& random)
-{
+std::vector<Shape> shapes(Random& random) {
   std::vector<Shape> all;
   for (QuadOrder order : allQuadOrders) {
     all.push_back(
-      {std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
-    all.push_back(
-      {std::string("patches of 32 quads a side, ") + nameOf(order), meshOf(dicedSheet(2, 32, lattice), order, random)});
+        {std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
+    all.push_back({std::string("patches of 32 quads a side, ") + nameOf(order),
+                   meshOf(dicedSheet(2, 32, lattice), order, random)});
   }
   all.push_back(
-    {"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
+      {"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
   all.push_back(
-    {"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
+      {"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
   DicedMesh ball = meshOf(dicedBall(2, 16), QuadOrder::Recursive, random), earth = globe(60, 40);
   for (DicedMesh* mesh : {&ball, &earth})
     for (Vec& p : mesh->vertices)
@@ -56,19 +53,17 @@ std::vector<Shape> shapes(Random& random)
   return all;
 }
 
-void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random, unsigned count)
-{
+void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random, unsigned count) {
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   const RTCCompressionStatistics stats = statisticsOf(scene);
-  ASSERT_EQ(stats.numQuads, mesh.isTriangleForm() ? mesh.size()/2 : mesh.size());
+  ASSERT_EQ(stats.numQuads, mesh.isTriangleForm() ? mesh.size() / 2 : mesh.size());
   ASSERT_EQ(stats.numMeshQuads, stats.numQuads);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
   expectSameQueries(embree, scene, raysAt(random, mesh, count), slack);
 }
 
-TEST_P(MeshGeometry, HitsOfQuadsMatchEmbree)
-{
+TEST_P(MeshGeometry, HitsOfQuadsMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(121);
@@ -80,8 +75,7 @@ TEST_P(MeshGeometry, HitsOfQuadsMatchEmbree)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(MeshGeometry, HitsOfTrianglesMatchEmbree)
-{
+TEST_P(MeshGeometry, HitsOfTrianglesMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(122);
@@ -95,8 +89,7 @@ TEST_P(MeshGeometry, HitsOfTrianglesMatchEmbree)
 }
 
 // The triangles of a quad are anywhere in the index buffer, begin at any corner, and may share vertices or not.
-TEST_P(MeshGeometry, HitsOfTrianglesInAnyOrderMatchEmbree)
-{
+TEST_P(MeshGeometry, HitsOfTrianglesInAnyOrderMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(136);
@@ -115,8 +108,7 @@ TEST_P(MeshGeometry, HitsOfTrianglesInAnyOrderMatchEmbree)
 }
 
 // Single triangles between pairs: pairs after them begin with an odd number.
-TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree)
-{
+TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(123);
@@ -124,18 +116,17 @@ TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree)
   for (unsigned i = 0; i < 9; i++) {
     const unsigned v = unsigned(mesh.vertices.size());
     for (const Vec& p : {Vec{1.5f, 0, 0}, Vec{1.75f, 0, 0.25f}, Vec{1.5f, 0.25f, 0}})
-      mesh.vertices.push_back({p[0], p[1] + 0.25f*float(i), p[2]});
-    mesh.triangles.insert(mesh.triangles.begin() + i*73, {v, v + 1, v + 2});
+      mesh.vertices.push_back({p[0], p[1] + 0.25f * float(i), p[2]});
+    mesh.triangles.insert(mesh.triangles.begin() + i * 73, {v, v + 1, v + 2});
   }
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
-  ASSERT_EQ(statisticsOf(scene).numQuads, 48u*48 + 5);
+  ASSERT_EQ(statisticsOf(scene).numQuads, 48u * 48 + 5);
   EXPECT_EQ(statisticsOf(scene).numIrregularQuads, 5u) << "two triangles count as a quad";
   expectSameQueries(embree, scene, raysAt(random, mesh, 2000), slack);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(MeshGeometry, MasksFiltersAndInstances)
-{
+TEST_P(MeshGeometry, MasksFiltersAndInstances) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(124);
@@ -148,8 +139,7 @@ TEST_P(MeshGeometry, MasksFiltersAndInstances)
 
 // --- closed -----------------------------------------------------------------------------------
 
-TEST(Meshes, AreClosedBetweenRegions)
-{
+TEST(Meshes, AreClosedBetweenRegions) {
   Device device;
   Random random(125);
   Shape balls[] = {{"patches of 4 quads", meshOf(dicedBall(3, 4), QuadOrder::Recursive, random)},
@@ -175,8 +165,7 @@ TEST(Meshes, AreClosedBetweenRegions)
 
 // --- regular parts ----------------------------------------------------------------------------
 
-TEST(Meshes, RegularPartsAreFoundInAnyOrder)
-{
+TEST(Meshes, RegularPartsAreFoundInAnyOrder) {
   Device device("cbvh_max_error=0.00043"); // 1/36 of an edge of the sheet
   Random random(126);
   for (QuadOrder order : allQuadOrders) {
@@ -185,12 +174,12 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
     for (const DicedMesh& mesh : {sheet, ball, trianglesOf(sheet), trianglesOf(ball, 2, 1)}) {
       const MeshScene scene(device, mesh);
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      const size_t quads = mesh.isTriangleForm() ? mesh.size()/2 : mesh.size();
+      const size_t quads = mesh.isTriangleForm() ? mesh.size() / 2 : mesh.size();
       EXPECT_EQ(stats.numMeshQuads, quads);
       EXPECT_EQ(stats.numIrregularQuads, 0u);
-      EXPECT_LE(stats.numBlocks, quads/256 + quads/512) << "blocks are full";
+      EXPECT_LE(stats.numBlocks, quads / 256 + quads / 512) << "blocks are full";
       // numbers in a pattern take 8 bytes per block; otherwise each quad needs as many bits as their range
-      EXPECT_LE(double(stats.leafBytes)/double(quads), order == QuadOrder::Shuffled ? 5.5 : 3.5);
+      EXPECT_LE(double(stats.leafBytes) / double(quads), order == QuadOrder::Shuffled ? 5.5 : 3.5);
     }
   }
   const DicedMesh earth = globe(100, 60);
@@ -201,8 +190,7 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
 
 // Blocks are full, and numbers in a pattern need few bytes. Where patches of a ball meet, pairs of triangles that
 // resemble quads may continue into the next patch.
-TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
-{
+TEST(Meshes, RegularTrianglesAreFoundInAnyOrder) {
   Device device("cbvh_max_error=0.00043"); // 1/36 of an edge of the sheet
   Random random(137);
   const DicedMesh sheet = meshOf(dicedSheet(4, 32), QuadOrder::Rows, random);
@@ -217,27 +205,25 @@ TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
       const bool hasPattern = !is("shuffled") && !is("turned");
       const bool isCertain = isSheet || hasPattern;
       ASSERT_GE(stats.numMeshQuads, quads);
-      EXPECT_LE(stats.numMeshQuads, isCertain ? quads : quads + quads/50);
-      EXPECT_LE(stats.numIrregularQuads, isCertain ? 0 : quads/20);
-      EXPECT_LE(stats.numBlocks, isCertain ? quads/256 + quads/128 : quads/32);
-      EXPECT_LE(double(stats.leafBytes)/double(quads), hasPattern ? 3.5 : isSheet ? 7.5 : 9.5);
+      EXPECT_LE(stats.numMeshQuads, isCertain ? quads : quads + quads / 50);
+      EXPECT_LE(stats.numIrregularQuads, isCertain ? 0 : quads / 20);
+      EXPECT_LE(stats.numBlocks, isCertain ? quads / 256 + quads / 128 : quads / 32);
+      EXPECT_LE(double(stats.leafBytes) / double(quads), hasPattern ? 3.5 : isSheet ? 7.5 : 9.5);
     }
 }
 
 // Strips of quads whose triangles are in random order: in narrow ones grids would save little, and slow rays.
-TEST(Meshes, TrianglesOfNarrowStripsAreIrregular)
-{
+TEST(Meshes, TrianglesOfNarrowStripsAreIrregular) {
   Device device;
   Random random(139);
   for (unsigned width : {3u, 4u, 16u}) {
     DicedMesh strips;
     for (unsigned strip = 0; strip < 8; strip++) {
       const unsigned first = unsigned(strips.vertices.size()), length = 64, row = width + 1;
-      for (unsigned i = 0; i < row*(length + 1); i++)
-        strips.vertices.push_back({float(i % row), float(i/row), float(2*strip) + 0.1f*float(i % row*(i % 7))});
-      for (unsigned i = 0; i < row*length; i++)
-        if (i % row < width)
-          strips.quads.push_back({first + i, first + i + 1, first + i + row + 1, first + i + row});
+      for (unsigned i = 0; i < row * (length + 1); i++)
+        strips.vertices.push_back({float(i % row), float(i / row), float(2 * strip) + 0.1f * float(i % row * (i % 7))});
+      for (unsigned i = 0; i < row * length; i++)
+        if (i % row < width) strips.quads.push_back({first + i, first + i + 1, first + i + row + 1, first + i + row});
     }
     DicedMesh triangles = trianglesOf(strips);
     for (size_t i = triangles.triangles.size(); i-- > 1;)
@@ -248,14 +234,13 @@ TEST(Meshes, TrianglesOfNarrowStripsAreIrregular)
 }
 
 // Each quad along some rows of a sheet has two vertices of its own, as in a mesh that is smooth except at sharp edges.
-TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
-{
+TEST(Meshes, SplitEdgesDoNotIncreaseMemory) {
   Device device;
   Random random(138);
   const DicedMesh whole = meshOf(dicedSheet(1, 96), QuadOrder::Rows, random);
   DicedMesh split = whole;
   for (size_t i = 0; i < split.quads.size(); i++)
-    if (i/96 % 7 == 3)
+    if (i / 96 % 7 == 3)
       for (unsigned k = 0; k < 2; k++) {
         split.vertices.push_back(whole.vertices[split.quads[i][k]]);
         split.quads[i][k] = unsigned(split.vertices.size() - 1);
@@ -271,8 +256,7 @@ TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
   }
 }
 
-TEST(Meshes, VerticesThatSeparateAreNotWelded)
-{
+TEST(Meshes, VerticesThatSeparateAreNotWelded) {
   Device device;
   Random random(139);
   DicedMesh mesh;
@@ -280,17 +264,17 @@ TEST(Meshes, VerticesThatSeparateAreNotWelded)
     const unsigned first = unsigned(mesh.vertices.size());
     for (unsigned y = 0; y <= 32; y++)
       for (unsigned x = 0; x <= 32; x++)
-        mesh.vertices.push_back({float(side)*float(side > 0 ? x : 32 - x)/32, float(y)/16 - 1, 0});
+        mesh.vertices.push_back({float(side) * float(side > 0 ? x : 32 - x) / 32, float(y) / 16 - 1, 0});
     for (unsigned y = 0; y < 32; y++)
       for (unsigned x = 0; x < 32; x++) {
-        const unsigned v = first + y*33 + x;
+        const unsigned v = first + y * 33 + x;
         mesh.quads.push_back({v, v + 1, v + 34, v + 33});
       }
   }
   for (bool asTriangles : {false, true}) {
     const DicedMesh both = asTriangles ? trianglesOf(mesh) : mesh;
     std::vector<Vec> second = both.vertices;
-    for (size_t i = 0; i < second.size(); i++) second[i][0] += i < second.size()/2 ? -0.5f : 0.5f;
+    for (size_t i = 0; i < second.size(); i++) second[i][0] += i < second.size() / 2 ? -0.5f : 0.5f;
     RTCGeometry geometry = rtcNewGeometry(device, asTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
     rtcSetGeometryTimeStepCount(geometry, 2);
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, both.vertices);
@@ -313,8 +297,7 @@ TEST(Meshes, VerticesThatSeparateAreNotWelded)
 }
 
 // Quads with different diagonals do not form a grid, which has the same diagonal everywhere.
-TEST(Meshes, MixedDiagonalsKeepTheirTriangles)
-{
+TEST(Meshes, MixedDiagonalsKeepTheirTriangles) {
   Device device;
   Random random(140);
   for (double part : {0.02, 0.5}) {
@@ -333,8 +316,7 @@ TEST(Meshes, MixedDiagonalsKeepTheirTriangles)
 }
 
 // A closed mesh has no corner to begin at.
-TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
-{
+TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad) {
   Device device;
   Random random(141);
   const DicedMesh natural = globe(400, 200);
@@ -361,14 +343,13 @@ TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
     const RTCCompressionStatistics stats = statisticsOf(MeshScene(device, mesh));
     EXPECT_EQ(stats.numMeshQuads, natural.quads.size());
     EXPECT_LE(stats.numIrregularQuads, expected.numIrregularQuads + 400);
-    EXPECT_LE(double(stats.numBlocks), 1.1*double(expected.numBlocks));
-    EXPECT_LT(secondsToFind(mesh, RTC_COMPRESSION_CVERT), 6*expectedTime);
+    EXPECT_LE(double(stats.numBlocks), 1.1 * double(expected.numBlocks));
+    EXPECT_LT(secondsToFind(mesh, RTC_COMPRESSION_CVERT), 6 * expectedTime);
   }
 }
 
 // Also quads that share no vertices, and moving meshes. Small meshes and refitted ones are left to Embree.
-TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
-{
+TEST(Meshes, IrregularMeshesBecomeMeshBlocks) {
   Device device;
   Random random(127);
   DicedMesh heap;
@@ -387,7 +368,7 @@ TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
     const unsigned v = unsigned(apart.vertices.size());
     for (unsigned k : q) {
       apart.vertices.push_back(sheet.vertices[k]);
-      apart.vertices.back()[2] += 1e-4f*float(apart.quads.size() % 7);
+      apart.vertices.back()[2] += 1e-4f * float(apart.quads.size() % 7);
     }
     apart.quads.push_back({v, v + 1, v + 2, v + 3});
   }
@@ -415,36 +396,39 @@ TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
 }
 
 // The triangles of a quad are tested separately.
-TEST(Meshes, PointQueriesFindTheTriangleNextToANonFiniteOne)
-{
+TEST(Meshes, PointQueriesFindTheTriangleNextToANonFiniteOne) {
   Device device;
   Random random(135);
   DicedMesh mesh = trianglesOf(meshOf(dicedSheet(1, 32, lattice), QuadOrder::Rows, random));
   const unsigned pair = 500; // only its second triangle gets its own vertex
-  mesh.triangles[2*pair + 1][0] = unsigned(mesh.vertices.size());
+  mesh.triangles[2 * pair + 1][0] = unsigned(mesh.vertices.size());
   mesh.vertices.push_back({NAN, 0, 0});
   const MeshScene scene(device, mesh);
   ASSERT_EQ(statisticsOf(scene).numMeshQuads, 1024u);
-  const Vec &a = mesh.vertices[mesh.triangles[2*pair][0]], &b = mesh.vertices[mesh.triangles[2*pair][1]],
-            &c = mesh.vertices[mesh.triangles[2*pair][2]];
+  const Vec &a = mesh.vertices[mesh.triangles[2 * pair][0]], &b = mesh.vertices[mesh.triangles[2 * pair][1]],
+            &c = mesh.vertices[mesh.triangles[2 * pair][2]];
   RTCPointQuery query;
-  query.x = (a[0] + b[0] + c[0])/3; query.y = (a[1] + b[1] + c[1])/3; query.z = (a[2] + b[2] + c[2])/3;
+  query.x = (a[0] + b[0] + c[0]) / 3;
+  query.y = (a[1] + b[1] + c[1]) / 3;
+  query.z = (a[2] + b[2] + c[2]) / 3;
   query.time = 0;
   query.radius = 1e-3f;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   std::set<unsigned> near;
-  rtcPointQuery(scene, &query, &context, [](RTCPointQueryFunctionArguments* args) {
-    ((std::set<unsigned>*)args->userPtr)->insert(args->primID);
-    return false;
-  }, &near);
-  EXPECT_TRUE(near.count(2*pair));
-  EXPECT_FALSE(near.count(2*pair + 1));
+  rtcPointQuery(
+      scene, &query, &context,
+      [](RTCPointQueryFunctionArguments* args) {
+        ((std::set<unsigned>*)args->userPtr)->insert(args->primID);
+        return false;
+      },
+      &near);
+  EXPECT_TRUE(near.count(2 * pair));
+  EXPECT_FALSE(near.count(2 * pair + 1));
 }
 
 // Invalid indices, and vertices that are not finite, as in Embree.
-TEST(Meshes, InvalidPrimitivesAreLeftOut)
-{
+TEST(Meshes, InvalidPrimitivesAreLeftOut) {
   Device device;
   Random random(128);
   const DicedMesh good = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
@@ -478,16 +462,15 @@ TEST(Meshes, InvalidPrimitivesAreLeftOut)
 }
 
 // In meshes that are stored in grids, in mesh blocks, and in both.
-TEST(Meshes, InvalidIndicesAreCounted)
-{
+TEST(Meshes, InvalidIndicesAreCounted) {
   Device device;
   Random random(129);
   const DicedMesh sheet = meshOf(dicedSheet(1, 64, lattice), QuadOrder::Rows, random);
   for (DicedMesh mesh : {sheet, trianglesOf(sheet), irregularQuads(sheet, random), irregularTriangles(sheet, random),
                          partlyIrregular(sheet, random, false), partlyIrregular(sheet, random, true)}) {
     for (unsigned i = 0; i < 10; i++)
-      if (mesh.isTriangleForm()) mesh.triangles[300*i][i % 3] = unsigned(mesh.vertices.size());
-      else mesh.quads[300*i][i % 4] = ~0u;
+      if (mesh.isTriangleForm()) mesh.triangles[300 * i][i % 3] = unsigned(mesh.vertices.size());
+      else mesh.quads[300 * i][i % 4] = ~0u;
     for (unsigned timeSteps : {1u, 2u}) {
       Scene scene(device);
       attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
@@ -500,8 +483,7 @@ TEST(Meshes, InvalidIndicesAreCounted)
 
 // --- settings ---------------------------------------------------------------------------------
 
-TEST(Meshes, CompressionCanBeSelected)
-{
+TEST(Meshes, CompressionCanBeSelected) {
   Random random(129);
   const DicedMesh quads = meshOf(dicedSheet(2, 32), QuadOrder::Recursive, random), triangles = trianglesOf(quads);
   const auto count = [&](const Device& device, const DicedMesh& mesh, RTCCompression compression) {
@@ -509,7 +491,7 @@ TEST(Meshes, CompressionCanBeSelected)
     return statisticsOf(scene).numQuads;
   };
   Device plain, ofString("subdiv_accel=cbvh"), noQuads("subdiv_accel=cbvh.vert,cbvh_quads=0"),
-    noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
+      noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
   for (const DicedMesh& mesh : {quads, triangles}) {
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_INHERIT), 0u);
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_CLEAF), 4096u) << "diced geometry is stored as cVERT";
@@ -522,8 +504,7 @@ TEST(Meshes, CompressionCanBeSelected)
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
 }
 
-TEST(Meshes, ReleaseInputAfterEdits)
-{
+TEST(Meshes, ReleaseInputAfterEdits) {
   Device device;
   Random random(130);
   const DicedMesh quads = meshOf(dicedSheet(4, 32), QuadOrder::Recursive, random);
@@ -536,7 +517,7 @@ TEST(Meshes, ReleaseInputAfterEdits)
     const RTCRayHit before = intersect(scene, down);
     ASSERT_TRUE(isHit(before));
     float* x = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-    for (size_t i = 0; i < mesh.vertices.size(); i++) x[3*i + 2] -= 1;
+    for (size_t i = 0; i < mesh.vertices.size(); i++) x[3 * i + 2] -= 1;
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
@@ -563,27 +544,33 @@ TEST(Meshes, ReleaseInputAfterEdits)
   }
 }
 
-TEST(Meshes, CommitsReportProgress)
-{
+TEST(Meshes, CommitsReportProgress) {
   Device device;
   Random random(131);
   DicedMesh lines; // triangles without area
   for (unsigned i = 0; i < 900; i++) lines.vertices.push_back({float(i), 0, 0});
-  for (unsigned i = 0; i < 300; i++) lines.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  for (unsigned i = 0; i < 300; i++) lines.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   DicedMesh invalid = lines;
   for (auto& t : invalid.triangles) t[2] = 900;
   for (const DicedMesh& mesh : {meshOf(dicedSheet(8, 64), QuadOrder::Rows, random), lines, invalid}) {
     SCOPED_TRACE(mesh.size());
-    struct Monitor { double most = 0; size_t calls = 0; std::mutex mutex; } monitor;
+    struct Monitor {
+      double most = 0;
+      size_t calls = 0;
+      std::mutex mutex;
+    } monitor;
     Scene scene(device);
     attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
-    rtcSetSceneProgressMonitorFunction(scene, [](void* self, double done) {
-      Monitor& m = *(Monitor*)self;
-      const std::lock_guard<std::mutex> lock(m.mutex);
-      m.most = std::max(m.most, done);
-      m.calls++;
-      return true;
-    }, &monitor);
+    rtcSetSceneProgressMonitorFunction(
+        scene,
+        [](void* self, double done) {
+          Monitor& m = *(Monitor*)self;
+          const std::lock_guard<std::mutex> lock(m.mutex);
+          m.most = std::max(m.most, done);
+          m.calls++;
+          return true;
+        },
+        &monitor);
     rtcCommitScene(scene);
     EXPECT_GT(monitor.calls, 2u);
     EXPECT_GT(monitor.most, 0.99);
@@ -592,8 +579,7 @@ TEST(Meshes, CommitsReportProgress)
   }
 }
 
-TEST(Meshes, MemoryIsSmall)
-{
+TEST(Meshes, MemoryIsSmall) {
   Random random(132);
   for (QuadOrder order : allQuadOrders)
     for (bool asTriangles : {false, true}) {
@@ -608,23 +594,21 @@ TEST(Meshes, MemoryIsSmall)
       rtcReleaseGeometry(input);
       attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT));
       rtcCommitScene(scene);
-      const double bytes = double(memory.live - empty - inputBytes)/double(quads.size());
+      const double bytes = double(memory.live - empty - inputBytes) / double(quads.size());
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      const auto perQuad = [&](size_t n) { return double(n)/double(quads.size()); };
-      std::printf(
-        "%s, %s: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), "
-        "%.2f more during the build\n",
-        asTriangles ? "triangles" : "quads", nameOf(order), bytes, perQuad(stats.topLevelBytes),
-        perQuad(stats.headerBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes),
-        perQuad(size_t(memory.peak - memory.live)));
+      const auto perQuad = [&](size_t n) { return double(n) / double(quads.size()); };
+      std::printf("%s, %s: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), "
+                  "%.2f more during the build\n",
+                  asTriangles ? "triangles" : "quads", nameOf(order), bytes, perQuad(stats.topLevelBytes),
+                  perQuad(stats.headerBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes),
+                  perQuad(size_t(memory.peak - memory.live)));
       EXPECT_LE(bytes, order == QuadOrder::Shuffled ? 6.5 : 3.5);
     }
 }
 
 // --- stored triangles -------------------------------------------------------------------------
 
-TEST(Meshes, TrianglesOfHitsAreReported)
-{
+TEST(Meshes, TrianglesOfHitsAreReported) {
   Device device;
   Random random(133);
   for (QuadOrder order : allQuadOrders) {
@@ -632,7 +616,8 @@ TEST(Meshes, TrianglesOfHitsAreReported)
     const DicedMesh triangles = trianglesOf(quads, 2, 1);
     const DicedMesh anyhow = unwelded(withTurnedTriangles(withShuffledFaces(triangles, random), random));
     for (const DicedMesh& mesh : {quads, triangles, halvesApart(triangles), anyhow, irregularQuads(quads, random),
-      irregularTriangles(quads, random), partlyIrregular(quads, random, false), partlyIrregular(quads, random, true)}) {
+                                  irregularTriangles(quads, random), partlyIrregular(quads, random, false),
+                                  partlyIrregular(quads, random, true)}) {
       Scene scene(device);
       RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT);
       attach(scene, geometry);
@@ -647,33 +632,39 @@ TEST(Meshes, TrianglesOfHitsAreReported)
         else {
           const auto& q = mesh.quads[r.hit.primID];
           const bool isSecond = r.hit.u + r.hit.v > 1;
-          v[0] = q[isSecond ? 2 : 0]; v[1] = q[isSecond ? 3 : 1]; v[2] = q[isSecond ? 1 : 3];
+          v[0] = q[isSecond ? 2 : 0];
+          v[1] = q[isSecond ? 3 : 1];
+          v[2] = q[isSecond ? 1 : 3];
         }
         for (int c = 0; c < 3; c++)
           ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
         // u and v of the corners: the triangle has the hit's point at the hit's u and v
         const double edgeU[2] = {double(t.u[1]) - t.u[0], double(t.u[2]) - t.u[0]};
         const double edgeV[2] = {double(t.v[1]) - t.v[0], double(t.v[2]) - t.v[0]};
-        const double area = edgeU[0]*edgeV[1] - edgeU[1]*edgeV[0], du = r.hit.u - t.u[0], dv = r.hit.v - t.v[0];
+        const double area = edgeU[0] * edgeV[1] - edgeU[1] * edgeV[0], du = r.hit.u - t.u[0], dv = r.hit.v - t.v[0];
         ASSERT_EQ(std::fabs(area), 1);
-        const double b = (du*edgeV[1] - dv*edgeU[1])/area, c = (dv*edgeU[0] - du*edgeV[0])/area;
+        const double b = (du * edgeV[1] - dv * edgeU[1]) / area, c = (dv * edgeU[0] - du * edgeV[0]) / area;
         const float org[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, dir[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
         for (int k = 0; k < 3; k++)
-          ASSERT_NEAR((1 - b - c)*t.vertices[0][k] + b*t.vertices[1][k] + c*t.vertices[2][k],
-                      org[k] + double(r.ray.tfar)*dir[k], 1e-4) << "b " << b << ", c " << c;
+          ASSERT_NEAR((1 - b - c) * t.vertices[0][k] + b * t.vertices[1][k] + c * t.vertices[2][k],
+                      org[k] + double(r.ray.tfar) * dir[k], 1e-4)
+              << "b " << b << ", c " << c;
       }
       RTCCompressedTriangle t;
       EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
 
       std::set<unsigned> met;
-      rtcForEachCompressedPart(geometry, 0, [](void* userPtr, const RTCCompressedPart* part) {
-        const unsigned n = part->primitivesPerQuad;
-        for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
-          if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
-            EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second);
-          }
-        return true;
-      }, &met);
+      rtcForEachCompressedPart(
+          geometry, 0,
+          [](void* userPtr, const RTCCompressedPart* part) {
+            const unsigned n = part->primitivesPerQuad;
+            for (unsigned i = 0; i < (part->width - 1) * (part->height - 1) * n; i++)
+              if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
+                EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second);
+              }
+            return true;
+          },
+          &met);
       EXPECT_EQ(met.size(), mesh.size());
       EXPECT_EQ(*met.rbegin(), mesh.size() - 1);
     }
@@ -681,38 +672,47 @@ TEST(Meshes, TrianglesOfHitsAreReported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Meshes, PointQueriesMatchEmbree)
-{
+TEST(Meshes, PointQueriesMatchEmbree) {
   Device device;
   Random random(134);
   const DicedMesh quads = meshOf(dicedSheet(4, 16, lattice), QuadOrder::Rows, random);
   const DicedMesh triangles = trianglesOf(quads, 1, 0);
   for (const DicedMesh& mesh : {quads, triangles, halvesApart(triangles), withTurnedTriangles(triangles, random),
-    irregularQuads(quads, random), irregularTriangles(quads, random), partlyIrregular(quads, random, false),
-    partlyIrregular(quads, random, true)}) {
+                                irregularQuads(quads, random), irregularTriangles(quads, random),
+                                partlyIrregular(quads, random, false), partlyIrregular(quads, random, true)}) {
     const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
-    struct Found { const DicedMesh* mesh; Vec at; std::set<unsigned> near; size_t calls = 0; };
+    struct Found {
+      const DicedMesh* mesh;
+      Vec at;
+      std::set<unsigned> near;
+      size_t calls = 0;
+    };
     // primitives with one of their first three vertices within the radius
     const auto near = [&](RTCScene in, const Vec& at, float radius) {
       Found found{&mesh, at, {}};
       RTCPointQuery query;
-      query.x = at[0]; query.y = at[1]; query.z = at[2];
+      query.x = at[0];
+      query.y = at[1];
+      query.z = at[2];
       query.time = 0;
       query.radius = radius;
       RTCPointQueryContext context;
       rtcInitPointQueryContext(&context);
-      rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
-        Found& f = *(Found*)args->userPtr;
-        f.calls++;
-        const unsigned* v = f.mesh->isTriangleForm() ? f.mesh->triangles[args->primID].data()
-                                                    : f.mesh->quads[args->primID].data();
-        for (int c = 0; c < 3; c++) {
-          const Vec& p = f.mesh->vertices[v[c]];
-          if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius)
-            f.near.insert(args->primID);
-        }
-        return false;
-      }, &found);
+      rtcPointQuery(
+          in, &query, &context,
+          [](RTCPointQueryFunctionArguments* args) {
+            Found& f = *(Found*)args->userPtr;
+            f.calls++;
+            const unsigned* v =
+                f.mesh->isTriangleForm() ? f.mesh->triangles[args->primID].data() : f.mesh->quads[args->primID].data();
+            for (int c = 0; c < 3; c++) {
+              const Vec& p = f.mesh->vertices[v[c]];
+              if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius)
+                f.near.insert(args->primID);
+            }
+            return false;
+          },
+          &found);
       return found;
     };
     size_t all = 0, calls = 0;
@@ -726,9 +726,8 @@ TEST(Meshes, PointQueriesMatchEmbree)
       calls += found.calls;
     }
     EXPECT_GT(all, 1000u);
-    EXPECT_LT(calls, 3*all) << "too many calls for distant primitives";
+    EXPECT_LT(calls, 3 * all) << "too many calls for distant primitives";
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -15,29 +15,25 @@
 
 #include <set>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr double lattice = 0x1p-10;
 
 // Rotates and bends.
-Vec bentFreely(const Vec& p, unsigned step)
-{
-  const double a = 0.3*step, c = std::cos(a), s = std::sin(a);
-  return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1]), float(p[2] + 0.1*step*p[0]*p[0])};
+Vec bentFreely(const Vec& p, unsigned step) {
+  const double a = 0.3 * step, c = std::cos(a), s = std::sin(a);
+  return {float(c * p[0] - s * p[1]), float(s * p[0] + c * p[1]), float(p[2] + 0.1 * step * p[0] * p[0])};
 }
 
 // The same, with positions that are multiples of the lattice.
-Vec bent(const Vec& p, unsigned step)
-{
+Vec bent(const Vec& p, unsigned step) {
   Vec q = bentFreely(p, step);
   for (float& x : q) x = roundTo(x, lattice);
   return q;
 }
 
 template<typename Make, typename Mesh>
-void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh, Random& random, unsigned timeSteps)
-{
+void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh, Random& random, unsigned timeSteps) {
   Scene scenes[2] = {Scene(device), Scene(device)};
   for (int i = 0; i < 2; i++) {
     /* Otherwise, small grids with several steps are not compressed. */
@@ -61,8 +57,7 @@ void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh,
 class MovingMeshes : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Isas, MovingMeshes, testing::Values(TEST_ISAS), nameOfIsa);
 
-TEST_P(MovingMeshes, HitsMatchEmbree)
-{
+TEST_P(MovingMeshes, HitsMatchEmbree) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(3141);
@@ -86,8 +81,7 @@ TEST_P(MovingMeshes, HitsMatchEmbree)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(MovingMeshes, LosslessHitsMatchEmbree)
-{
+TEST_P(MovingMeshes, LosslessHitsMatchEmbree) {
   Device device(GetParam() + std::string(",cbvh_max_error=0"));
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(3142);
@@ -104,8 +98,7 @@ TEST_P(MovingMeshes, LosslessHitsMatchEmbree)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(MovingMeshes, IrregularHitsMatchEmbree)
-{
+TEST_P(MovingMeshes, IrregularHitsMatchEmbree) {
   for (const char* error : {"", ",cbvh_max_error=0"}) {
     Device device((GetParam() + std::string(error)).c_str());
     if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
@@ -122,16 +115,14 @@ TEST_P(MovingMeshes, IrregularHitsMatchEmbree)
 
 // With filters, and in a moving instance.
 template<typename Make, typename Mesh>
-void expectFiltered(Device& device, const Make& make, const Mesh& mesh, Random& random)
-{
+void expectFiltered(Device& device, const Make& make, const Mesh& mesh, Random& random) {
   std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
   for (RTCRayHit& r : rays) r.ray.time = float(random.uniform());
   const auto makeAs = [&](RTCCompression compression) { return make(device, mesh, compression, 0, 3); };
   expectSameFilteredHits(device, makeAs, true, rays, 2e-3, 2);
 }
 
-TEST_P(MovingMeshes, MasksFiltersAndInstances)
-{
+TEST_P(MovingMeshes, MasksFiltersAndInstances) {
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(3144);
@@ -149,39 +140,37 @@ TEST_P(MovingMeshes, MasksFiltersAndInstances)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-std::vector<unsigned> verticesOf(const DicedMesh& mesh, unsigned primID)
-{
+std::vector<unsigned> verticesOf(const DicedMesh& mesh, unsigned primID) {
   if (mesh.isTriangleForm()) return {mesh.triangles[primID].begin(), mesh.triangles[primID].end()};
   return {mesh.quads[primID].begin(), mesh.quads[primID].end()};
 }
 
-std::vector<unsigned> verticesOf(const Diced& diced, unsigned primID)
-{
+std::vector<unsigned> verticesOf(const Diced& diced, unsigned primID) {
   const RTCGrid& grid = diced.grids[primID];
   std::vector<unsigned> vertices;
   for (unsigned y = 0; y < grid.height; y++)
-    for (unsigned x = 0; x < grid.width; x++) vertices.push_back(grid.startVertexID + y*grid.stride + x);
+    for (unsigned x = 0; x < grid.width; x++) vertices.push_back(grid.startVertexID + y * grid.stride + x);
   return vertices;
 }
 
 // Finds the nearest vertex at a time among the primitives that a query reports.
 template<typename Mesh>
-struct NearestVertex
-{
+struct NearestVertex {
   const Mesh& mesh;
   float time;
   double distance = INFINITY;
 
-  double distanceTo(unsigned vertex, const float p[3]) const
-  {
+  double distanceTo(unsigned vertex, const float p[3]) const {
     const Vec a = mesh.motion(mesh.vertices[vertex], 0), b = mesh.motion(mesh.vertices[vertex], 1);
     double d2 = 0;
-    for (int k = 0; k < 3; k++) { const double d = (1 - time)*a[k] + time*b[k] - p[k]; d2 += d*d; }
+    for (int k = 0; k < 3; k++) {
+      const double d = (1 - time) * a[k] + time * b[k] - p[k];
+      d2 += d * d;
+    }
     return std::sqrt(d2);
   }
 
-  static bool visit(RTCPointQueryFunctionArguments* args)
-  {
+  static bool visit(RTCPointQueryFunctionArguments* args) {
     NearestVertex& self = *(NearestVertex*)args->userPtr;
     const float p[3] = {args->query->x, args->query->y, args->query->z};
     for (unsigned v : verticesOf(self.mesh, args->primID))
@@ -193,8 +182,7 @@ struct NearestVertex
 };
 
 template<typename Make, typename Mesh>
-void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random)
-{
+void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random) {
   Scene scene(device);
   attach(scene, make(device, mesh, RTC_COMPRESSION_CVERT, 0, 2));
   rtcCommitScene(scene);
@@ -214,8 +202,7 @@ void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh
   }
 }
 
-TEST(MovingMeshesInTime, PointQueriesFindPositionsAtTheirTime)
-{
+TEST(MovingMeshesInTime, PointQueriesFindPositionsAtTheirTime) {
   Random random(3143);
   Device device;
   const DicedMotion motion = [](const Vec& p, unsigned step) { return step ? bent(p, 3) : p; };
@@ -233,13 +220,12 @@ TEST(MovingMeshesInTime, PointQueriesFindPositionsAtTheirTime)
 }
 
 // A ball of grids whose copies of vertices move equally, and meshes with the same vertices.
-TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
-{
+TEST(MovingMeshesInTime, ClosedBallsDoNotLeak) {
   Random random(3142);
   Device device;
   Diced ball = dicedBall(3, 16, 2);
   ball.motion = [](const Vec& p, unsigned step) {
-    return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]};
+    return Vec{p[0] * (1 + 0.2f * step), p[1] + 0.1f * step * p[0], p[2] - 0.15f * step * p[1]};
   };
   std::vector<RTCGeometry> geometries = {newGrids(device, ball, RTC_COMPRESSION_CVERT, 0, 3)};
   for (QuadOrder order : allQuadOrders) {
@@ -266,8 +252,7 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
 }
 
 // At any precision, welded or not.
-TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
-{
+TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak) {
   Random random(3147);
   for (const char* config : {"", "cbvh_max_error=0", "cbvh_max_error=0.002", "cbvh_max_error=0.05"}) {
     Device device(config);
@@ -275,7 +260,7 @@ TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
     const DicedMesh triangles = irregularTriangles(ball, random), quads = irregularQuads(ball, random);
     for (DicedMesh mesh : {triangles, quads, unwelded(triangles), unwelded(quads)}) {
       SCOPED_TRACE(std::string(config) + (mesh.isTriangleForm() ? ", triangles" : ", quads"));
-      mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3*step); };
+      mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3 * step); };
       RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, 4);
       Scene scene(device);
       rtcAttachGeometry(scene, geometry);
@@ -296,8 +281,7 @@ TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
 
 // A moving mesh is stored either in grids or in mesh blocks. Statistics count narrow grids as irregular, but rays do
 // not use the cache of mesh blocks for them.
-TEST(MovingMeshesInTime, NarrowGridsUseTheCacheOfGrids)
-{
+TEST(MovingMeshesInTime, NarrowGridsUseTheCacheOfGrids) {
   Random random(3190);
   Device device;
   size_t bytes[2];
@@ -311,7 +295,7 @@ TEST(MovingMeshesInTime, NarrowGridsUseTheCacheOfGrids)
     const RTCCompressionStatistics stats = statisticsOf(scene);
     ASSERT_EQ(stats.numMovingQuads, mesh.size());
     ASSERT_EQ(stats.numIrregularQuads > 0, isNarrow == 1);
-    ASSERT_LT(stats.numIrregularQuads, stats.numQuads/8);
+    ASSERT_LT(stats.numIrregularQuads, stats.numQuads / 8);
     bytes[isNarrow] = stats.cacheBytesPerThread;
   }
   EXPECT_GT(bytes[0], size_t(1) << 16);
@@ -319,21 +303,21 @@ TEST(MovingMeshesInTime, NarrowGridsUseTheCacheOfGrids)
 }
 
 // Vertices coincide at the first step and separate afterwards: a ray passes between the triangles.
-TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected)
-{
+TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected) {
   Random random(3148);
   Device device;
   DicedMesh mesh;
   for (int side : {-1, 1}) {
     Diced diced;
-    diced.add(13, 13, [&](unsigned x, unsigned y) { return Vec{side*(float(x)/12), 2*float(y)/12 - 1, 0}; });
+    diced.add(13, 13, [&](unsigned x, unsigned y) { return Vec{side * (float(x) / 12), 2 * float(y) / 12 - 1, 0}; });
     DicedMesh half = irregularTriangles(meshOf(diced, QuadOrder::Rows, random), random);
-    for (auto& t : half.triangles) for (unsigned& v : t) v += unsigned(mesh.vertices.size());
+    for (auto& t : half.triangles)
+      for (unsigned& v : t) v += unsigned(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), half.vertices.begin(), half.vertices.end());
     mesh.triangles.insert(mesh.triangles.end(), half.triangles.begin(), half.triangles.end());
   }
   std::vector<Vec> second = mesh.vertices;
-  for (size_t i = 0; i < second.size(); i++) second[i][0] += i < second.size()/2 ? -0.5f : 0.5f;
+  for (size_t i = 0; i < second.size(); i++) second[i][0] += i < second.size() / 2 ? -0.5f : 0.5f;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryTimeStepCount(geometry, 2);
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices);
@@ -343,18 +327,17 @@ TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected)
   Scene scene(device);
   attach(scene, geometry);
   rtcCommitScene(scene);
-  ASSERT_EQ(statisticsOf(scene).numMovingQuads, mesh.size()/2);
+  ASSERT_EQ(statisticsOf(scene).numMovingQuads, mesh.size() / 2);
   for (float time : {0.0f, 0.25f, 1.0f})
     for (float x : {-0.1f, -0.01f, 0.01f, 0.1f, 0.3f}) {
       RTCRayHit ray = makeRay({x, 0.11f, 1}, {0, 0, -1});
       ray.ray.time = time;
-      EXPECT_EQ(isHit(intersect(scene, ray)), std::fabs(x) >= 0.5f*time) << "time " << time << ", x " << x;
+      EXPECT_EQ(isHit(intersect(scene, ray)), std::fabs(x) >= 0.5f * time) << "time " << time << ", x " << x;
     }
 }
 
 // Time ranges inside of, around, and partly outside of the rays' times.
-TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange)
-{
+TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange) {
   Random random(3149);
   Device device;
   DicedMesh mesh = irregularTriangles(meshOf(dicedSheet(1, 30, lattice), QuadOrder::Rows, random), random);
@@ -384,8 +367,7 @@ TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange)
 }
 
 // Embree leaves out primitives with a vertex that is not finite at one of the steps, or that does not exist.
-TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut)
-{
+TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut) {
   Random random(3150);
   Device device;
   const DicedMesh sheet = meshOf(dicedSheet(1, 30, lattice), QuadOrder::Rows, random);
@@ -398,8 +380,8 @@ TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut)
       else mesh.quads[random.below(unsigned(mesh.size()))][i % 4] = 100000;
     Scene scenes[2] = {Scene(device), Scene(device)};
     for (int i = 0; i < 2; i++) {
-      RTCGeometry geometry = rtcNewGeometry(device,
-        mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+      RTCGeometry geometry =
+          rtcNewGeometry(device, mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
       rtcSetGeometryTimeStepCount(geometry, 3);
       for (unsigned t = 0; t < 3; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, steps[t]);
       if (mesh.isTriangleForm()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
@@ -424,8 +406,7 @@ TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut)
   }
 }
 
-TEST(MovingMeshesInTime, IrregularMeshesNeedFewBytes)
-{
+TEST(MovingMeshesInTime, IrregularMeshesNeedFewBytes) {
   for (unsigned timeSteps : {2u, 5u}) {
     Memory memory;
     Device device;
@@ -440,32 +421,32 @@ TEST(MovingMeshesInTime, IrregularMeshesNeedFewBytes)
     const ssize_t inputBytes = memory.live - empty;
     attach(scene, input);
     rtcCommitScene(scene);
-    const double embree = double(memory.live - empty - inputBytes)/double(mesh.size());
+    const double embree = double(memory.live - empty - inputBytes) / double(mesh.size());
     Scene compressed(device);
     const ssize_t before = memory.live;
     attach(compressed, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
     rtcCommitScene(compressed);
-    const double bytes = double(memory.live - before - inputBytes)/double(mesh.size());
+    const double bytes = double(memory.live - before - inputBytes) / double(mesh.size());
     const RTCCompressionStatistics stats = statisticsOf(compressed);
-    const auto each = [&](size_t n) { return double(n)/double(mesh.size()); };
+    const auto each = [&](size_t n) { return double(n) / double(mesh.size()); };
     std::printf("%u steps: %.2f bytes per triangle (%.2f tree, %.2f first step, %.2f per later step), Embree: %.2f\n",
-      timeSteps, bytes, each(stats.topLevelBytes), each(stats.headerBytes + stats.nodeBytes + stats.leafBytes
-      - stats.motionBytes), each(stats.motionBytes)/(timeSteps - 1), embree);
-    EXPECT_LE(each(stats.motionBytes)/(timeSteps - 1), 3.0);
-    EXPECT_LT(bytes, 0.5*embree);
+                timeSteps, bytes, each(stats.topLevelBytes),
+                each(stats.headerBytes + stats.nodeBytes + stats.leafBytes - stats.motionBytes),
+                each(stats.motionBytes) / (timeSteps - 1), embree);
+    EXPECT_LE(each(stats.motionBytes) / (timeSteps - 1), 3.0);
+    EXPECT_LT(bytes, 0.5 * embree);
   }
 }
 
 // The triangle's vertices lie between their positions at the steps, and its plane contains the hit.
-TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
-{
+TEST(MovingMeshesInTime, TrianglesOfHitsAreReported) {
   Random random(3145);
   Device device;
   for (QuadOrder order : allQuadOrders) {
     DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), order, random);
     quads.motion = bent;
-    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1), irregularTriangles(quads, random),
-           irregularQuads(quads, random)}) {
+    for (const DicedMesh& mesh :
+         {quads, trianglesOf(quads, 2, 1), irregularTriangles(quads, random), irregularQuads(quads, random)}) {
       Scene scene(device);
       RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, 2);
       attach(scene, geometry);
@@ -479,8 +460,7 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
         if (!isHit(r)) continue;
         hits++;
         RTCCompressedTriangle t;
-        ASSERT_TRUE(
-          rtcFindCompressedTriangle(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        ASSERT_TRUE(rtcFindCompressedTriangle(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         std::set<unsigned> corners;
         for (unsigned v : verticesOf(mesh, r.hit.primID)) corners.insert(v);
         for (int c = 0; c < 3; c++) {
@@ -490,8 +470,12 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
             const Vec a = bent(mesh.vertices[v], 0), b = bent(mesh.vertices[v], 1);
             bool isThis = true;
             for (int k = 0; k < 3; k++)
-              isThis &= std::fabs((1 - ray.ray.time)*a[k] + ray.ray.time*b[k] - t.vertices[c][k]) < 1e-6f;
-            if (isThis) { isVertex = true; corners.erase(v); break; }
+              isThis &= std::fabs((1 - ray.ray.time) * a[k] + ray.ray.time * b[k] - t.vertices[c][k]) < 1e-6f;
+            if (isThis) {
+              isVertex = true;
+              corners.erase(v);
+              break;
+            }
           }
           ASSERT_TRUE(isVertex) << "vertex " << c;
         }
@@ -499,10 +483,10 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
         for (int k = 0; k < 3; k++) {
           const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z},
                       d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
-          height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
-          n += double(Ng[k])*Ng[k];
+          height += Ng[k] * (o[k] + double(r.ray.tfar) * d[k] - t.vertices[0][k]);
+          n += double(Ng[k]) * Ng[k];
         }
-        ASSERT_LT(std::fabs(height), 1e-5*std::sqrt(n));
+        ASSERT_LT(std::fabs(height), 1e-5 * std::sqrt(n));
       }
       EXPECT_GT(hits, 150u);
     }
@@ -510,16 +494,15 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected)
-{
+TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected) {
   Device device;
   Diced diced;
   for (int side : {-1, 1})
-    diced.add(17, 17, [&](unsigned x, unsigned y) { return Vec{side*(float(x)/16), 2*float(y)/16 - 1, 0}; });
+    diced.add(17, 17, [&](unsigned x, unsigned y) { return Vec{side * (float(x) / 16), 2 * float(y) / 16 - 1, 0}; });
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
   rtcSetGeometryTimeStepCount(geometry, 2);
   std::vector<Vec> second = diced.vertices;
-  for (size_t i = 0; i < second.size(); i++) second[i][0] += i < 17*17 ? -0.5f : 0.5f;
+  for (size_t i = 0; i < second.size(); i++) second[i][0] += i < 17 * 17 ? -0.5f : 0.5f;
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, diced.vertices);
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
   setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
@@ -531,9 +514,8 @@ TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected)
     for (float x : {-0.1f, -0.01f, 0.0f, 0.01f, 0.1f, 0.3f}) {
       RTCRayHit ray = makeRay({x, 0.11f, 1}, {0, 0, -1});
       ray.ray.time = time;
-      EXPECT_EQ(isHit(intersect(scene, ray)), std::fabs(x) >= 0.5f*time) << "time " << time << ", x " << x;
+      EXPECT_EQ(isHit(intersect(scene, ray)), std::fabs(x) >= 0.5f * time) << "time " << time << ", x " << x;
     }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -16,22 +16,19 @@
 
 #include <memory>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr uint32_t seed = 3101;
 
 // Rotates about one axis and moves along another.
-Vec turned(const Vec& p, double angle, double way)
-{
+Vec turned(const Vec& p, double angle, double way) {
   const double c = std::cos(angle), s = std::sin(angle);
-  return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1] + way), float(p[2] + 0.3*way*p[0])};
+  return {float(c * p[0] - s * p[1]), float(s * p[0] + c * p[1] + way), float(p[2] + 0.3 * way * p[0])};
 }
 
-Vec step(const Vec& p, unsigned i) { return turned(p, 0.25*i, 0.2*std::sin(i)); }
+Vec step(const Vec& p, unsigned i) { return turned(p, 0.25 * i, 0.2 * std::sin(i)); }
 
-SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
-{
+SurfaceSettings moving(Displacement& displacement, unsigned timeSteps) {
   SurfaceSettings settings;
   displacement.lattice = std::ldexp(1.0f, -12);
   settings.displacement = &displacement;
@@ -45,8 +42,7 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
 class MovingSurfaces : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Isas, MovingSurfaces, testing::Values(TEST_ISAS), nameOfIsa);
 
-TEST_P(MovingSurfaces, HitsMatchEmbreeMotionBlur)
-{
+TEST_P(MovingSurfaces, HitsMatchEmbreeMotionBlur) {
   Random random(seed);
   Device device(GetParam());
   if (!device) GTEST_SKIP();
@@ -64,8 +60,7 @@ TEST_P(MovingSurfaces, HitsMatchEmbreeMotionBlur)
 }
 
 // Also in moving instances.
-TEST_P(MovingSurfaces, MasksFiltersAndInstances)
-{
+TEST_P(MovingSurfaces, MasksFiltersAndInstances) {
   Random random(seed + 4);
   Device device(GetParam());
   if (!device) GTEST_SKIP();
@@ -79,8 +74,7 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
 }
 
 // No displacement, so that the surface between two steps is the surface of the interpolated cage.
-SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
-{
+SurfaceSettings smooth(unsigned timeSteps, float begin, float end) {
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
   settings.timeSteps = timeSteps;
@@ -91,36 +85,36 @@ SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
 }
 
 // Interpolates the cage linearly at a time.
-Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time)
-{
-  const float at = (time - settings.begin)/(settings.end - settings.begin)*float(settings.timeSteps - 1);
+Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time) {
+  const float at = (time - settings.begin) / (settings.end - settings.begin) * float(settings.timeSteps - 1);
   const unsigned before = std::min(unsigned(at), settings.timeSteps - 2);
   const float f = at - float(before);
   Cage between = cage;
   for (Vec& p : between.positions) {
     const Vec a = settings.motion(p, before), b = settings.motion(p, before + 1);
-    for (int k = 0; k < 3; k++) p[k] = (1 - f)*a[k] + f*b[k];
+    for (int k = 0; k < 3; k++) p[k] = (1 - f) * a[k] + f * b[k];
   }
   return between;
 }
 
 // Hits on another part of the surface: at silhouettes, because the lattice moves vertices.
-size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack)
-{
+size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack) {
   size_t others = 0;
   for (const RTCRayHit& ray : rays) {
     const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
-    if (isHit(a) != isHit(b)) { others++; continue; }
+    if (isHit(a) != isHit(b)) {
+      others++;
+      continue;
+    }
     if (!isHit(a)) continue;
-    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack*std::max(1.0, 0.1/cosine(a)) || a.hit.primID != b.hit.primID)
+    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack * std::max(1.0, 0.1 / cosine(a)) || a.hit.primID != b.hit.primID)
       others++;
   }
   return others;
 }
 
 // Upstream's GRID does not support time ranges, so this test compares with static surfaces.
-TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange)
-{
+TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange) {
   Random random(seed + 1);
   Device device;
   const Cage cage = cubeCage();
@@ -130,7 +124,7 @@ TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange)
     SCOPED_TRACE(testing::Message() << settings.timeSteps << " steps from " << settings.begin << " to "
                                     << settings.end);
     const SurfaceScene scene(device, cage, settings);
-    ASSERT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
+    ASSERT_EQ(statisticsOf(scene).numMovingQuads, 6u * 256u);
     std::vector<float> times = {0, 0.25f, 0.5f, 0.75f, 1};
     for (int i = 0; i < 8; i++) times.push_back(float(random.uniform()));
     for (float time : times) {
@@ -151,8 +145,7 @@ TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange)
   }
 }
 
-TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene)
-{
+TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene) {
   Random random(seed + 2);
   Device device;
   std::vector<SurfaceSettings> all = {smooth(2, 0, 1), smooth(7, 0.5f, 1), smooth(1, 0, 1), smooth(3, 0, 0.5f),
@@ -162,12 +155,13 @@ TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene)
   std::vector<std::unique_ptr<SurfaceScene>> alone;
   for (size_t i = 0; i < all.size(); i++) {
     Cage cage = cubeCage();
-    for (Vec& p : cage.positions) for (int k = 0; k < 3; k++) p[k] = 0.4f*p[k] + (i & (1u << k) ? 0.5f : -0.5f);
+    for (Vec& p : cage.positions)
+      for (int k = 0; k < 3; k++) p[k] = 0.4f * p[k] + (i & (1u << k) ? 0.5f : -0.5f);
     addSurface(device, scene, cage, all[i]);
     alone.push_back(std::make_unique<SurfaceScene>(device, cage, all[i]));
   }
   rtcCommitScene(scene);
-  EXPECT_EQ(statisticsOf(scene).numMovingQuads, 3u*6u*256u);
+  EXPECT_EQ(statisticsOf(scene).numMovingQuads, 3u * 6u * 256u);
   const std::vector<RTCRayHit> rays = timedRays(random, 3000);
   for (QueryForm form : allQueryForms) {
     const std::vector<RTCRayHit> hits = closestHits(scene, rays, form), any = anyHits(scene, rays, form);
@@ -177,22 +171,24 @@ TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene)
       unsigned surface = RTC_INVALID_GEOMETRY_ID;
       for (size_t i = 0; i < alone.size(); i++) {
         const RTCRayHit hit = intersect(*alone[i], rays[r]);
-        if (isHit(hit) && hit.ray.tfar < nearest.ray.tfar) { nearest = hit; surface = unsigned(i); }
+        if (isHit(hit) && hit.ray.tfar < nearest.ray.tfar) {
+          nearest = hit;
+          surface = unsigned(i);
+        }
       }
       ASSERT_EQ(hits[r].hit.geomID, surface) << nameOf(form) << ", ray " << r;
       ASSERT_EQ(any[r].ray.tfar < 0, surface != RTC_INVALID_GEOMETRY_ID);
       if (surface == RTC_INVALID_GEOMETRY_ID) continue;
       found++;
       ASSERT_EQ(hits[r].hit.primID, nearest.hit.primID);
-      ASSERT_NEAR(hits[r].ray.tfar, nearest.ray.tfar, 1e-5*nearest.ray.tfar);
+      ASSERT_NEAR(hits[r].ray.tfar, nearest.ray.tfar, 1e-5 * nearest.ray.tfar);
     }
     ASSERT_GT(found, 500u);
   }
 }
 
 // The second scene must find the boxes of the existing blocks.
-TEST(MovingSurfacesInTime, ScenesShareBlocksOfAGeometry)
-{
+TEST(MovingSurfacesInTime, ScenesShareBlocksOfAGeometry) {
   Random random(seed + 5);
   Device device;
   Displacement displacement;
@@ -206,13 +202,15 @@ TEST(MovingSurfacesInTime, ScenesShareBlocksOfAGeometry)
   for (const RTCRayHit& ray : timedRays(random, 1000)) {
     const RTCRayHit a = intersect(first, ray), b = intersect(second, ray);
     ASSERT_EQ(isHit(a), isHit(b));
-    if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); ASSERT_EQ(a.hit.primID, b.hit.primID); }
+    if (isHit(a)) {
+      ASSERT_EQ(a.ray.tfar, b.ray.tfar);
+      ASSERT_EQ(a.hit.primID, b.hit.primID);
+    }
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(MovingSurfacesInTime, EditsTakeEffect)
-{
+TEST(MovingSurfacesInTime, EditsTakeEffect) {
   Random random(seed + 3);
   Device device;
   const Cage cage = cubeCage();
@@ -230,10 +228,13 @@ TEST(MovingSurfacesInTime, EditsTakeEffect)
     for (const RTCRayHit& ray : rays) {
       const RTCRayHit a = intersect(fresh, ray), b = intersect(scene, ray);
       ASSERT_EQ(isHit(a), isHit(b));
-      if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); ASSERT_EQ(a.hit.primID, b.hit.primID); }
+      if (isHit(a)) {
+        ASSERT_EQ(a.ray.tfar, b.ray.tfar);
+        ASSERT_EQ(a.hit.primID, b.hit.primID);
+      }
     }
-    ASSERT_EQ(statisticsOf(scene).numMovingQuads, settings.timeSteps > 1 ? 6u*256u : 0u);
-    ASSERT_EQ(statisticsOf(scene).numQuads, 6u*256u);
+    ASSERT_EQ(statisticsOf(scene).numMovingQuads, settings.timeSteps > 1 ? 6u * 256u : 0u);
+    ASSERT_EQ(statisticsOf(scene).numQuads, 6u * 256u);
   };
   const auto setStep = [&](unsigned t) {
     std::vector<Vec> positions = cage.positions;
@@ -248,7 +249,8 @@ TEST(MovingSurfacesInTime, EditsTakeEffect)
   rtcSetGeometryTimeStepCount(geometry, 5);
   for (unsigned t = 0; t < 5; t++) setStep(t);
   check("more steps");
-  settings.begin = 0.2f; settings.end = 0.6f;
+  settings.begin = 0.2f;
+  settings.end = 0.6f;
   rtcSetGeometryTimeRange(geometry, settings.begin, settings.end);
   check("another range");
   settings.timeSteps = 2;
@@ -265,8 +267,7 @@ TEST(MovingSurfacesInTime, EditsTakeEffect)
 }
 
 // Rays at the center of a moving sheet, whose tree splits time, at 65 times from 0 to 1.
-TEST(MovingSurfacesInTime, SplitTimeIncludesItsEnds)
-{
+TEST(MovingSurfacesInTime, SplitTimeIncludesItsEnds) {
   Device device;
   const std::vector<std::pair<float, float>> ranges = {{0, 1}, {0, 2}, {-1, 1}, {-1, 3}, {0, 1.0625f}, {0.25f, 0.75f}};
   for (const auto& range : ranges) {
@@ -277,22 +278,21 @@ TEST(MovingSurfacesInTime, SplitTimeIncludesItsEnds)
     settings.motion = orbiting;
     const SurfaceScene scene(device, sheetCage(4), settings);
     for (int i = 0; i <= 64; i++) {
-      const float time = float(i)/64, step = 8*(time - range.first)/(range.second - range.first);
+      const float time = float(i) / 64, step = 8 * (time - range.first) / (range.second - range.first);
       const Vec from = settings.motion({0.1f, 0.1f, 0}, unsigned(std::clamp(std::floor(step), 0.0f, 8.0f)));
       const Vec to = settings.motion({0.1f, 0.1f, 0}, unsigned(std::clamp(std::ceil(step), 0.0f, 8.0f)));
       const float f = step - std::floor(step);
-      RTCRayHit ray = makeRay({from[0] + f*(to[0] - from[0]), from[1] + f*(to[1] - from[1]), 5}, {0, 0, -1});
+      RTCRayHit ray = makeRay({from[0] + f * (to[0] - from[0]), from[1] + f * (to[1] - from[1]), 5}, {0, 0, -1});
       ray.ray.time = time;
       EXPECT_EQ(isHit(intersect(scene, ray)), 0 <= step && step <= 8)
-        << "range " << range.first << " to " << range.second << ", time " << time;
+          << "range " << range.first << " to " << range.second << ", time " << time;
     }
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 // With and without other geometry that Embree traces.
-TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes)
-{
+TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes) {
   for (bool hasTriangles : {false, true}) {
     SCOPED_TRACE(hasTriangles);
     Device device;
@@ -321,8 +321,7 @@ TEST(MovingSurfacesInTime, FirstUncompressedOneIsAddedToCompressedOnes)
 }
 
 // Such a surface has a tree without blocks.
-TEST_P(MovingSurfaces, SurfaceOfHolesHidesNoStaticOneInFlatScenes)
-{
+TEST_P(MovingSurfaces, SurfaceOfHolesHidesNoStaticOneInFlatScenes) {
   using namespace embree::cbvh;
   Device device(GetParam());
   if (!device) GTEST_SKIP();
@@ -349,8 +348,7 @@ TEST_P(MovingSurfaces, SurfaceOfHolesHidesNoStaticOneInFlatScenes)
 }
 
 // Some ranges begin or end close to a step of another surface, where trees split time.
-TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes)
-{
+TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes) {
   Random random(seed + 9);
   Device device(GetParam());
   if (!device) GTEST_SKIP();
@@ -361,7 +359,7 @@ TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes)
     std::vector<std::unique_ptr<Scene>> alone;
     for (unsigned i = 0; i < firsts; i++) {
       SurfaceSettings settings = moving(displacements[i], i == 3 ? 9 : 2 + i);
-      displacements[i].offset = {0.8f*float(i) - 0.4f*float(firsts - 1), 0, 0};
+      displacements[i].offset = {0.8f * float(i) - 0.4f * float(firsts - 1), 0, 0};
       displacements[i].scale = 0.5f;
       settings.rate = 8;
       settings.begin = ranges[i][0];
@@ -386,5 +384,4 @@ TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -11,34 +11,30 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Rotated, so that no face is aligned to an axis.
-Cage turned(Cage cage)
-{
+Cage turned(Cage cage) {
   const float c = std::cos(0.7f), s = std::sin(0.7f), d = std::cos(0.4f), e = std::sin(0.4f);
   for (Vec& p : cage.positions) {
-    const Vec q = {c*p[0] - s*p[1], s*p[0] + c*p[1], p[2]};
-    p = {q[0], d*q[1] - e*q[2], e*q[1] + d*q[2]};
+    const Vec q = {c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
+    p = {q[0], d * q[1] - e * q[2], e * q[1] + d * q[2]};
   }
   return cage;
 }
 
 // A point inside the triangle, away from edges and corners.
-std::array<double, 3> pointIn(const VertTriangle& t, Random& random)
-{
+std::array<double, 3> pointIn(const VertTriangle& t, Random& random) {
   double w[3], sum = 0;
   for (double& x : w) sum += x = random.uniform(0.05, 1);
   std::array<double, 3> p = {};
   for (int c = 0; c < 3; c++)
-    for (int k = 0; k < 3; k++) p[k] += w[c]/sum*t.vertices[c][k];
+    for (int k = 0; k < 3; k++) p[k] += w[c] / sum * t.vertices[c][k];
   return p;
 }
 
 // Number of times that a ray crosses the surface after its start; -1 if that is ambiguous.
-int crossings(const std::vector<VertTriangle>& triangles, const RTCRay& ray)
-{
+int crossings(const std::vector<VertTriangle>& triangles, const RTCRay& ray) {
   int n = 0;
   for (const VertTriangle& triangle : triangles) {
     ExactHit hit;
@@ -50,11 +46,9 @@ int crossings(const std::vector<VertTriangle>& triangles, const RTCRay& ray)
   return n;
 }
 
-TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
-{
+TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt) {
   Device device;
-  const struct
-  {
+  const struct {
     const char* name;
     Cage cage;
   } solids[] = {{"cube", turned(cubeCage())}, {"prism", turned(prismCage(3))}};
@@ -79,15 +73,15 @@ TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
             b[k] = double(at.vertices[2][k]) - at.vertices[0][k];
           }
           for (int k = 0; k < 3; k++) {
-            normal[k] = a[(k+1) % 3]*b[(k+2) % 3] - a[(k+2) % 3]*b[(k+1) % 3];
-            length2 += normal[k]*normal[k];
+            normal[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+            length2 += normal[k] * normal[k];
           }
           if (!(length2 > 0)) continue;
           // distance from the surface relative to the size of the triangle, about the square root of its area
-          const double depth = distance*std::pow(length2, 0.25)/std::sqrt(length2);
+          const double depth = distance * std::pow(length2, 0.25) / std::sqrt(length2);
           Vec org, dir;
           for (int k = 0; k < 3; k++) {
-            org[k] = float(from[k] - depth*normal[k]);
+            org[k] = float(from[k] - depth * normal[k]);
             dir[k] = float(to[k] - org[k]);
           }
           RTCRayHit query = makeRay(org, dir);
@@ -108,5 +102,4 @@ TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
     }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

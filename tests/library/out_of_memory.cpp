@@ -9,19 +9,16 @@
 
 #include <atomic>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Refuses call `refusedCall` after it is armed, if the call is an allocation.
-struct Monitor
-{
+struct Monitor {
   std::atomic<ssize_t> live{0};
   std::atomic<long> calls{0}, refused{0}; // while armed; calls include releases
   long refusedCall = 0;                   // 0: no call
   std::atomic<bool> isArmed{false};
 
-  static bool function(void* self, ssize_t bytes, bool isAllocated)
-  {
+  static bool function(void* self, ssize_t bytes, bool isAllocated) {
     Monitor& m = *(Monitor*)self;
     const bool refuses = m.isArmed && ++m.calls == m.refusedCall && bytes > 0;
     if (refuses) m.refused++;
@@ -30,10 +27,9 @@ struct Monitor
   }
 };
 
-Vec moved(const Vec& p, unsigned step) { return {p[0] + float(step), p[1]*float(1 + step), p[2]}; }
+Vec moved(const Vec& p, unsigned step) { return {p[0] + float(step), p[1] * float(1 + step), p[2]}; }
 
-RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps)
-{
+RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps) {
   Random random(1);
   if (type == 0) {
     SurfaceSettings settings;
@@ -52,8 +48,7 @@ RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps)
 
 // Changes and commits a geometry and its scene, then again with enough memory. Returns the monitor's calls
 // during the first commits, including releases.
-long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags flags)
-{
+long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags flags) {
   Monitor monitor;
   monitor.refusedCall = refusedCall;
   {
@@ -84,8 +79,7 @@ long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags
   return monitor.calls;
 }
 
-TEST(OutOfMemory, NothingIsLostAndNextCommitSucceeds)
-{
+TEST(OutOfMemory, NothingIsLostAndNextCommitSucceeds) {
   for (int type : {0, 1, 2, 3})
     for (unsigned timeSteps : {1u, 3u})
       for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_DYNAMIC}) {
@@ -99,5 +93,4 @@ TEST(OutOfMemory, NothingIsLostAndNextCommitSucceeds)
       }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -17,14 +17,12 @@
 
 #include <cstdlib>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr size_t raysByDefault = 400000;
 constexpr unsigned steps = 3; // time steps of moving surfaces
 
-size_t raysOfPrecision()
-{
+size_t raysOfPrecision() {
   const char* const many = std::getenv("CBVH_AIMED_RAYS");
   return many ? std::strtoull(many, nullptr, 10) : raysByDefault;
 }
@@ -32,48 +30,47 @@ size_t raysOfPrecision()
 // --- surfaces ------------------------------------------------------------------------------------
 
 // A closed surface, star-shaped around the origin. edge: approximate length of a quad.
-struct Closed
-{
+struct Closed {
   std::string name;
   double edge;
   bool moves;
   std::function<RTCGeometry(RTCDevice)> make;
 };
 
-std::vector<Closed> closedSurfaces(Random& random)
-{
+std::vector<Closed> closedSurfaces(Random& random) {
   static Displacement displacement;
   displacement.amplitude = 0.03f;
   std::vector<Closed> all;
   for (unsigned timeSteps : {1u, steps}) {
     const bool moves = timeSteps > 1;
     const std::string suffix = moves ? ", moving" : "";
-    const DicedMotion motion = [](const Vec& p, unsigned step) { return twisted(p, 0.2*step); };
-    const struct { const char* name; Cage cage; unsigned rate; } cages[] = {
-      {"a cage of quads", cubeCage(), 64}, {"a cage of pentagons", prismCage(5), 32}};
+    const DicedMotion motion = [](const Vec& p, unsigned step) { return twisted(p, 0.2 * step); };
+    const struct {
+      const char* name;
+      Cage cage;
+      unsigned rate;
+    } cages[] = {{"a cage of quads", cubeCage(), 64}, {"a cage of pentagons", prismCage(5), 32}};
     for (const auto& cage : cages)
-      all.push_back({cage.name + suffix, 1.5/cage.rate, moves, [=](RTCDevice device) {
-        SurfaceSettings settings;
-        settings.displacement = &displacement;
-        settings.rate = float(cage.rate);
-        settings.timeSteps = timeSteps;
-        settings.motion = motion;
-        settings.compression = RTC_COMPRESSION_CVERT;
-        return newSurface(device, cage.cage, settings);
-      }});
+      all.push_back({cage.name + suffix, 1.5 / cage.rate, moves, [=](RTCDevice device) {
+                       SurfaceSettings settings;
+                       settings.displacement = &displacement;
+                       settings.rate = float(cage.rate);
+                       settings.timeSteps = timeSteps;
+                       settings.motion = motion;
+                       settings.compression = RTC_COMPRESSION_CVERT;
+                       return newSurface(device, cage.cage, settings);
+                     }});
     Diced grids = dicedBall(4, 32);
     grids.motion = motion;
-    const double edge = 1.5/(4*32);
-    all.push_back({"grids" + suffix, edge, moves, [=](RTCDevice device) {
-      return newGrids(device, grids, RTC_COMPRESSION_CVERT, 0, timeSteps);
-    }});
+    const double edge = 1.5 / (4 * 32);
+    all.push_back({"grids" + suffix, edge, moves,
+                   [=](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_CVERT, 0, timeSteps); }});
     for (QuadOrder order : {QuadOrder::Rows, QuadOrder::Recursive}) {
       DicedMesh quads = meshOf(grids, order, random);
       quads.motion = motion;
       const DicedMesh mesh = order == QuadOrder::Rows ? quads : trianglesOf(quads, 1, 2);
-      all.push_back({(mesh.isTriangleForm() ? "triangles" : "quads") + suffix, edge, moves, [=](RTCDevice device) {
-        return newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps);
-      }});
+      all.push_back({(mesh.isTriangleForm() ? "triangles" : "quads") + suffix, edge, moves,
+                     [=](RTCDevice device) { return newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps); }});
     }
   }
   return all;
@@ -82,16 +79,14 @@ std::vector<Closed> closedSurfaces(Random& random)
 // --- stored triangles ---------------------------------------------------------------------------------
 
 // At a time, oriented outwards, and points to aim at.
-class StoredAt
-{
+class StoredAt {
 public:
   AimPoints points;
 
   StoredAt(RTCGeometry geometry, float time) { rtcForEachCompressedPart(geometry, time, add, this); }
 
   // The triangles as a geometry of Embree's own triangle kernel.
-  RTCGeometry newTriangles(RTCDevice device) const
-  {
+  RTCGeometry newTriangles(RTCDevice device) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices);
     std::vector<std::array<unsigned, 3>> triangles;
@@ -108,11 +103,10 @@ public:
 private:
   static bool add(void* self, const RTCCompressedPart* part) { return ((StoredAt*)self)->addPart(*part); }
 
-  bool addPart(const RTCCompressedPart& part)
-  {
+  bool addPart(const RTCCompressedPart& part) {
     const unsigned w = part.width, h = part.height;
     const auto at = [&](unsigned x, unsigned y) {
-      const float* p = part.vertices + 3*(y*w + x);
+      const float* p = part.vertices + 3 * (y * w + x);
       return Vec3f{p[0], p[1], p[2]};
     };
     for (unsigned y = 0; y + 1 < h; y++)
@@ -141,8 +135,7 @@ private:
     return true;
   }
 
-  void addTriangle(Vec3f a, Vec3f b, Vec3f c)
-  {
+  void addTriangle(Vec3f a, Vec3f b, Vec3f c) {
     if (dot(cross(b - a, c - a), a + b + c) < 0) std::swap(b, c);
     for (const Vec3f& p : {a, b, c}) vertices.push_back({p.x, p.y, p.z});
   }
@@ -152,20 +145,20 @@ private:
 
 // --- rays -----------------------------------------------------------------------------------------------
 
-class TracerAt : public SceneTracer
-{
+class TracerAt : public SceneTracer {
 public:
   TracerAt(RTCScene scene, float time, bool inPackets)
-    : single(scene), packets(scene), time(time), inPackets(inPackets) {}
+    : single(scene),
+      packets(scene),
+      time(time),
+      inPackets(inPackets) {}
 
-  void intersect(RTCRayHit* rays, size_t n) const override
-  {
+  void intersect(RTCRayHit* rays, size_t n) const override {
     for (size_t i = 0; i < n; i++) rays[i].ray.time = time;
     tracer().intersect(rays, n);
   }
 
-  void occluded(RTCRay* rays, size_t n) const override
-  {
+  void occluded(RTCRay* rays, size_t n) const override {
     for (size_t i = 0; i < n; i++) rays[i].time = time;
     tracer().occluded(rays, n);
   }
@@ -180,19 +173,17 @@ private:
 };
 
 // True if normals of hits point outwards, as countLeaks expects: a ray from the center hits the back of the surface.
-bool pointsOutwards(RTCScene scene)
-{
+bool pointsOutwards(RTCScene scene) {
   const RTCRayHit r = intersect(scene, makeRay({0, 0, 0}, {0.3f, 0.7f, 0.2f}));
-  return isHit(r) && r.hit.Ng_x*r.ray.dir_x + r.hit.Ng_y*r.ray.dir_y + r.hit.Ng_z*r.ray.dir_z > 0;
+  return isHit(r) && r.hit.Ng_x * r.ray.dir_x + r.hit.Ng_y * r.ray.dir_y + r.hit.Ng_z * r.ray.dir_z > 0;
 }
 
 // partOfEdge: max_error relative to an edge; negative for the default.
-void expectNoLeaks(double partOfEdge)
-{
+void expectNoLeaks(double partOfEdge) {
   Random random(1601);
   Device device;
   const std::vector<Closed> surfaces = closedSurfaces(random);
-  const size_t raysOfRun = raysOfPrecision()/(2*surfaces.size());
+  const size_t raysOfRun = raysOfPrecision() / (2 * surfaces.size());
   size_t rays = 0, aimed = 0, leaks = 0, leaksOfRobust = 0;
   for (const Closed& surface : surfaces) {
     SCOPED_TRACE(surface.name);
@@ -201,7 +192,7 @@ void expectNoLeaks(double partOfEdge)
       RTCCompressionArguments args;
       rtcInitCompressionArguments(&args);
       args.compression = RTC_COMPRESSION_CVERT;
-      args.maxError = float(partOfEdge*surface.edge);
+      args.maxError = float(partOfEdge * surface.edge);
       rtcSetGeometryCompression(geometry, &args);
       rtcCommitGeometry(geometry);
     }
@@ -227,7 +218,7 @@ void expectNoLeaks(double partOfEdge)
       aimed += counts.aimed;
       leaksOfRobust += counts.gridLeaks.closest + counts.gridLeaks.any + counts.gridLeaks.through;
       leaks += counts.sceneLeaks.closest + counts.sceneLeaks.any + counts.sceneLeaks.through;
-      EXPECT_GT(counts.aimed, raysOfRun/2);
+      EXPECT_GT(counts.aimed, raysOfRun / 2);
       EXPECT_EQ(counts.sceneLeaks.closest, 0u);
       EXPECT_EQ(counts.sceneLeaks.any, 0u);
       EXPECT_EQ(counts.sceneLeaks.through, 0u);
@@ -238,7 +229,7 @@ void expectNoLeaks(double partOfEdge)
     rtcReleaseGeometry(geometry);
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  EXPECT_GT(aimed, raysOfPrecision()/2);
+  EXPECT_GT(aimed, raysOfPrecision() / 2);
   testing::Test::RecordProperty("rays", std::to_string(rays));
   testing::Test::RecordProperty("aimed rays", std::to_string(aimed));
   testing::Test::RecordProperty("leaks", std::to_string(leaks));
@@ -250,5 +241,4 @@ TEST(PrecisionLeaks, NoneWithACoarseBound) { expectNoLeaks(0.125); }
 TEST(PrecisionLeaks, NoneWithAFineBound) { expectNoLeaks(0.001); }
 TEST(PrecisionLeaks, NoneLossless) { expectNoLeaks(0); }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,17 +12,14 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-float oddNumber(Random& random)
-{
+float oddNumber(Random& random) {
   const float odd[] = {NAN, INFINITY, -INFINITY, 1e18f, -1e18f, 1e30f, 3e38f, 1e-40f, -0.0f, 1e-30f, -1, 0, 0.3f, 1e9f};
-  return odd[random.below(sizeof(odd)/sizeof(*odd))];
+  return odd[random.below(sizeof(odd) / sizeof(*odd))];
 }
 
-Cage randomCage(Random& random)
-{
+Cage randomCage(Random& random) {
   switch (random.below(6)) {
   case 0: return cubeCage();
   case 1: return prismCage(3 + random.below(random.chance(0.1) ? 1000 : 20));
@@ -34,7 +31,7 @@ Cage randomCage(Random& random)
   const unsigned vertices = 3 + random.below(20);
   for (unsigned i = 0; i < vertices; i++)
     soup.positions.push_back({float(random.normal()), float(random.normal()), float(random.normal())});
-  for (unsigned i = random.below(20); i-- > 0; ) {
+  for (unsigned i = random.below(20); i-- > 0;) {
     unsigned size = random.chance(0.05) ? random.below(1000) : random.below(7);
     if (size == 1) size = 0; // Embree's assertions, if enabled, fail for faces with one vertex
     soup.faces.push_back(size);
@@ -43,17 +40,23 @@ Cage randomCage(Random& random)
   return soup;
 }
 
-void spoil(Random& random, Cage& cage)
-{
+void spoil(Random& random, Cage& cage) {
   const auto vertex = [&] {
     return random.chance(0.05) ? random.bits() : random.below(unsigned(cage.positions.size()) + 2);
   };
-  for (unsigned n = random.below(3); n-- > 0; )
-    switch (random.below(6)) {
+  for (unsigned n = random.below(3); n-- > 0;) switch (random.below(6)) {
     case 0: cage.positions[random.below(unsigned(cage.positions.size()))][random.below(3)] = oddNumber(random); break;
-    case 1: if (!cage.indices.empty()) cage.indices[random.below(unsigned(cage.indices.size()))] = vertex(); break;
-    case 2: cage.creases.push_back({vertex(), vertex()}); cage.creaseWeights.push_back(oddNumber(random)); break;
-    case 3: cage.corners.push_back(vertex()); cage.cornerWeights.push_back(oddNumber(random)); break;
+    case 1:
+      if (!cage.indices.empty()) cage.indices[random.below(unsigned(cage.indices.size()))] = vertex();
+      break;
+    case 2:
+      cage.creases.push_back({vertex(), vertex()});
+      cage.creaseWeights.push_back(oddNumber(random));
+      break;
+    case 3:
+      cage.corners.push_back(vertex());
+      cage.cornerWeights.push_back(oddNumber(random));
+      break;
     case 4:
       cage.holes.push_back(random.chance(0.1) ? random.bits() : random.below(unsigned(cage.faces.size()) + 2));
       break;
@@ -61,11 +64,10 @@ void spoil(Random& random, Cage& cage)
     }
 }
 
-TEST(RandomCages, AreTracedWithoutCrash)
-{
+TEST(RandomCages, AreTracedWithoutCrash) {
   Random random(108);
   const size_t rounds = randomRounds(300);
-  const RTCCompression kinds[] = {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT,
+  const RTCCompression kinds[] = {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CVERT,  RTC_COMPRESSION_CVERT,
                                   RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CGRID};
   size_t hits = 0, named = 0;
   for (size_t round = 0; round < rounds; round++) {
@@ -102,8 +104,7 @@ TEST(RandomCages, AreTracedWithoutCrash)
   EXPECT_LT(named, rounds);
 }
 
-TEST(RandomCages, InvalidIndicesAreReported)
-{
+TEST(RandomCages, InvalidIndicesAreReported) {
   Device device;
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
@@ -123,5 +124,4 @@ TEST(RandomCages, InvalidIndicesAreReported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -16,24 +16,22 @@
 #include <memory>
 #include <set>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Sheets that may be welded, cut, rotated, twisted and shuffled.
-DicedMesh randomMesh(Random& random)
-{
+DicedMesh randomMesh(Random& random) {
   DicedMesh mesh;
   const double scale = random.magnitude(1e-4, 1e4);
   for (unsigned sheet = 0, sheets = 1 + random.below(5); sheet < sheets; sheet++) {
     const unsigned w = 1 + random.below(random.chance(0.2) ? 150 : 40), h = 1 + random.below(40),
                    first = unsigned(mesh.vertices.size());
     const bool isRing = random.chance(0.2), isTurned = random.chance(0.3);
-    const auto vertex = [&](unsigned x, unsigned y) { return first + y*(w + 1) + (isRing ? x % w : x); };
+    const auto vertex = [&](unsigned x, unsigned y) { return first + y * (w + 1) + (isRing ? x % w : x); };
     for (unsigned y = 0; y <= h; y++)
       for (unsigned x = 0; x <= w; x++)
-        mesh.vertices.push_back({float(scale*(x + 0.2*random.uniform())),
-                                 float(scale*(y + 0.2*random.uniform())),
-                                 float(scale*(50.0*sheet + 0.3*random.normal()))});
+        mesh.vertices.push_back({float(scale * (x + 0.2 * random.uniform())),
+                                 float(scale * (y + 0.2 * random.uniform())),
+                                 float(scale * (50.0 * sheet + 0.3 * random.normal()))});
     for (unsigned y = 0; y < h; y++)
       for (unsigned x = 0; x < w; x++) {
         std::array<unsigned, 4> q = {vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)};
@@ -63,27 +61,25 @@ DicedMesh randomMesh(Random& random)
   }
   if (random.chance(0.3))
     for (unsigned i = random.below(10); i > 0; i--)
-      mesh.vertices[random.below(unsigned(mesh.vertices.size()))][random.below(3)] = random.chance(0.5) ? NAN
-                                                                                                        : INFINITY;
+      mesh.vertices[random.below(unsigned(mesh.vertices.size()))][random.below(3)] =
+          random.chance(0.5) ? NAN : INFINITY;
   return mesh;
 }
 
 // A buffer with a stride, and 4 more bytes, which Embree may read after the last vertex.
-struct Strided
-{
+struct Strided {
   size_t stride;
   std::unique_ptr<char[]> bytes;
 
   template<typename Item>
   Strided(Random& random, const std::vector<Item>& items)
-    : stride(sizeof(Item) + 4*random.below(3)), bytes(new char[items.size()*stride + 4])
-  {
-    for (size_t i = 0; i < items.size(); i++) std::memcpy(&bytes[i*stride], &items[i], sizeof(Item));
+    : stride(sizeof(Item) + 4 * random.below(3)),
+      bytes(new char[items.size() * stride + 4]) {
+    for (size_t i = 0; i < items.size(); i++) std::memcpy(&bytes[i * stride], &items[i], sizeof(Item));
   }
 };
 
-TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
-{
+TEST(RandomMeshes, EachPrimitiveIsStoredOnce) {
   Random random(141);
   const size_t rounds = randomRounds(150);
   size_t compressed = 0, primitives = 0, irregular = 0;
@@ -93,9 +89,9 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     const DicedMesh mesh = randomMesh(random);
     if (mesh.size() == 0) continue;
     const Strided vertices(random, mesh.vertices),
-      indices = mesh.isTriangleForm() ? Strided(random, mesh.triangles) : Strided(random, mesh.quads);
-    RTCGeometry geometry = rtcNewGeometry(device,
-                                          mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+        indices = mesh.isTriangleForm() ? Strided(random, mesh.triangles) : Strided(random, mesh.quads);
+    RTCGeometry geometry =
+        rtcNewGeometry(device, mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.bytes.get(), 0,
                                vertices.stride, mesh.vertices.size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
@@ -127,19 +123,22 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
       double e[2][3];
       for (int k = 0; k < 3; k++)
         for (int i = 0; i < 2; i++) e[i][k] = double(mesh.vertices[v[half[i + 1]]][k]) - mesh.vertices[v[half[0]]][k];
-      return e[0][0]*e[1][1] != e[0][1]*e[1][0] || e[0][1]*e[1][2] != e[0][2]*e[1][1] ||
-             e[0][2]*e[1][0] != e[0][0]*e[1][2];
+      return e[0][0] * e[1][1] != e[0][1] * e[1][0] || e[0][1] * e[1][2] != e[0][2] * e[1][1] ||
+             e[0][2] * e[1][0] != e[0][0] * e[1][2];
     };
     std::set<unsigned> met;
-    rtcForEachCompressedPart(geometry, 0, [](void* userPtr, const RTCCompressedPart* part) {
-      const unsigned n = part->primitivesPerQuad;
-      for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
-        if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
-          EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second)
-            << "stored twice: " << part->primIDs[i];
-        }
-      return true;
-    }, &met);
+    rtcForEachCompressedPart(
+        geometry, 0,
+        [](void* userPtr, const RTCCompressedPart* part) {
+          const unsigned n = part->primitivesPerQuad;
+          for (unsigned i = 0; i < (part->width - 1) * (part->height - 1) * n; i++)
+            if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
+              EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second)
+                  << "stored twice: " << part->primIDs[i];
+            }
+          return true;
+        },
+        &met);
     size_t there = 0;
     for (size_t i = 0; i < mesh.size(); i++) {
       const unsigned* v = indexOf(i);
@@ -167,9 +166,8 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
   }
   std::printf("%zu of %zu meshes compressed, %zu primitives in them, %zu quads irregular\n", compressed, rounds,
               primitives, irregular);
-  EXPECT_GT(compressed, rounds/4);
+  EXPECT_GT(compressed, rounds / 4);
   EXPECT_GT(irregular, 0u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -14,12 +14,10 @@
 #include <iterator>
 #include <memory>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // The same sheet as a cage, grids, quads and triangles.
-std::vector<RTCGeometry> sheetsOfAllTypes(RTCDevice device)
-{
+std::vector<RTCGeometry> sheetsOfAllTypes(RTCDevice device) {
   Random random(1);
   const Diced grids = dicedSheet(4, 32);
   const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
@@ -30,8 +28,7 @@ std::vector<RTCGeometry> sheetsOfAllTypes(RTCDevice device)
 }
 
 // For programs that cannot be changed: later accesses to buffers are errors.
-TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
-{
+TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment) {
   for (bool byEnvironment : {true, false}) {
     std::unique_ptr<Environment> set(byEnvironment ? new Environment("1, release_input") : nullptr);
     Memory memory;
@@ -44,10 +41,10 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
     SurfaceSettings settings;
     settings.rate = 32;
     const std::pair<RTCBufferType, std::function<RTCGeometry()>> types[] = {
-      {RTC_BUFFER_TYPE_FACE, [&] { return newSurface(device, sheetCage(8), settings); }},
-      {RTC_BUFFER_TYPE_GRID, [&] { return newGrids(device, grids); }},
-      {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, mesh); }},
-      {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, trianglesOf(mesh)); }}};
+        {RTC_BUFFER_TYPE_FACE, [&] { return newSurface(device, sheetCage(8), settings); }},
+        {RTC_BUFFER_TYPE_GRID, [&] { return newGrids(device, grids); }},
+        {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, mesh); }},
+        {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, trianglesOf(mesh)); }}};
     for (const auto& [indices, make] : types) {
       SCOPED_TRACE(testing::Message() << "buffer type " << indices
                                       << (byEnvironment ? ", environment" : ", device string"));
@@ -60,7 +57,7 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_GT(stats.numQuads, 10000u);
       EXPECT_EQ(stats.inputBytes, 0u);
-      EXPECT_LT(double(memory.live - before), 5*double(stats.numQuads));
+      EXPECT_LT(double(memory.live - before), 5 * double(stats.numQuads));
       const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
       EXPECT_TRUE(isHit(intersect(scene, down)));
       // commits without a change, and after changes that do not concern the surface
@@ -89,8 +86,7 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
 
 // Compression that selects the same blocks is no change: they remain. Any other compression is refused until the input
 // is set again. Embree's own setters always count: functions and user data may return other values than before.
-TEST(ReleaseInput, RepeatedCompressionIsNoChange)
-{
+TEST(ReleaseInput, RepeatedCompressionIsNoChange) {
   Device device("cbvh_release_input=1");
   SurfaceSettings settings;
   settings.rate = 32;
@@ -122,10 +118,9 @@ TEST(ReleaseInput, RepeatedCompressionIsNoChange)
   }
   rtcReleaseGeometry(geometry);
   for (const auto& change : std::vector<std::function<void(RTCGeometry)>>{
-         [&](RTCGeometry g) { compress(g, false); },
-         [](RTCGeometry g) { rtcSetGeometryTessellationRate(g, 16); },
-         [](RTCGeometry g) { rtcSetGeometryUserData(g, nullptr); },
-         [](RTCGeometry g) { rtcSetGeometryDisplacementFunction(g, nullptr); }}) {
+           [&](RTCGeometry g) { compress(g, false); }, [](RTCGeometry g) { rtcSetGeometryTessellationRate(g, 16); },
+           [](RTCGeometry g) { rtcSetGeometryUserData(g, nullptr); },
+           [](RTCGeometry g) { rtcSetGeometryDisplacementFunction(g, nullptr); }}) {
     RTCGeometry other = newSurface(device, sheetCage(8), settings);
     change(other);
     geometry = other;
@@ -135,8 +130,7 @@ TEST(ReleaseInput, RepeatedCompressionIsNoChange)
 }
 
 // The topology is released, too, if the geometry has no attributes when it is committed.
-TEST(ReleaseInput, LaterAttributesCannotBeInterpolated)
-{
+TEST(ReleaseInput, LaterAttributesCannotBeInterpolated) {
   Device device("subdiv_accel=cbvh,cbvh_release_input=1");
   size_t type = 0;
   for (RTCGeometry geometry : sheetsOfAllTypes(device)) {
@@ -154,15 +148,12 @@ TEST(ReleaseInput, LaterAttributesCannotBeInterpolated)
 }
 
 // The commit of the geometry builds its blocks, and the progress function commits the geometry again.
-TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
-{
-  struct Callback
-  {
+TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry) {
+  struct Callback {
     RTCGeometry geometry = nullptr;
     std::atomic<unsigned> calls{0};
 
-    static bool function(void* self, double)
-    {
+    static bool function(void* self, double) {
       Callback& callback = *(Callback*)self;
       if (callback.calls++ == 0) rtcCommitGeometry(callback.geometry);
       return true;
@@ -196,14 +187,13 @@ TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
 }
 
 // Without the setting: each buffer once, except for shared ones.
-TEST(ReleaseInput, StatisticsCountRemainingBuffers)
-{
+TEST(ReleaseInput, StatisticsCountRemainingBuffers) {
   Memory memory;
   Device device("subdiv_accel=cbvh");
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
   Random random(1);
   const DicedMesh mesh = meshOf(dicedSheet(4, 32), QuadOrder::Rows, random);
-  const size_t bytes = sizeof(Vec)*mesh.vertices.size() + 16*mesh.quads.size();
+  const size_t bytes = sizeof(Vec) * mesh.vertices.size() + 16 * mesh.quads.size();
   Scene scene(device);
   RTCGeometry geometry = newMesh(device, mesh);
   rtcAttachGeometry(scene, geometry);
@@ -216,13 +206,12 @@ TEST(ReleaseInput, StatisticsCountRemainingBuffers)
                              mesh.vertices.size());
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
-  EXPECT_NEAR(double(statisticsOf(scene).inputBytes), 16*double(mesh.quads.size()), 16);
+  EXPECT_NEAR(double(statisticsOf(scene).inputBytes), 16 * double(mesh.quads.size()), 16);
   rtcReleaseGeometry(geometry);
 }
 
 // 33124 half-edges. Without a reservation, Embree allocates twice as many: a power of two.
-TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology)
-{
+TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology) {
   Memory memory;
   Device device("subdiv_accel=cbvh");
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -235,9 +224,8 @@ TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology)
   attach(scene, geometry);
   rtcCommitScene(scene);
   const double reported = double(statisticsOf(scene).inputBytes);
-  EXPECT_GT(reported, 0.99*bytes);
+  EXPECT_GT(reported, 0.99 * bytes);
   EXPECT_LE(reported, bytes);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -15,17 +15,14 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class ReplacedFiles : public testing::Test
-{
+class ReplacedFiles : public testing::Test {
 protected:
   ReplacedFiles() : geometry(newOne()) {}
   ~ReplacedFiles() { rtcReleaseGeometry(geometry); }
 
-  RTCGeometry newOne()
-  {
+  RTCGeometry newOne() {
     SurfaceSettings settings;
     settings.rate = 4;
     return releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_CVERT);
@@ -33,29 +30,25 @@ protected:
 
   bool save(const std::string& to) { return rtcSaveCompressedGeometry(geometry, to.c_str()); }
 
-  void expectLoadable(const std::string& from)
-  {
+  void expectLoadable(const std::string& from) {
     RTCCompressedFile file = rtcOpenCompressedFile(device, from.c_str());
     ASSERT_NE(file, nullptr) << device.message;
     EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
     rtcReleaseCompressedFile(file);
   }
 
-  void expectError(const std::vector<std::string>& parts)
-  {
+  void expectError(const std::vector<std::string>& parts) {
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(containsInOrder(device.message, parts));
   }
 
-  std::vector<std::string> names() const
-  {
+  std::vector<std::string> names() const {
     std::vector<std::string> all = folder.names();
     std::sort(all.begin(), all.end());
     return all;
   }
 
-  static struct stat linkStatus(const std::string& of)
-  {
+  static struct stat linkStatus(const std::string& of) {
     struct stat status;
     EXPECT_EQ(lstat(of.c_str(), &status), 0) << of;
     return status;
@@ -64,58 +57,54 @@ protected:
   Folder folder;
   Device device;
   RTCGeometry geometry;
-  const std::string path = folder/"a.cbvh";
+  const std::string path = folder / "a.cbvh";
 };
 
-TEST_F(ReplacedFiles, LinkStaysAndItsTargetIsReplaced)
-{
-  writeBytes(folder/"target", "old");
-  ASSERT_EQ(chmod((folder/"target").c_str(), 0640), 0);
-  ASSERT_EQ(symlink("target", (folder/"link").c_str()), 0);
+TEST_F(ReplacedFiles, LinkStaysAndItsTargetIsReplaced) {
+  writeBytes(folder / "target", "old");
+  ASSERT_EQ(chmod((folder / "target").c_str(), 0640), 0);
+  ASSERT_EQ(symlink("target", (folder / "link").c_str()), 0);
   ASSERT_EQ(symlink("link", path.c_str()), 0);
   ASSERT_TRUE(save(path)) << device.message;
-  EXPECT_TRUE(S_ISLNK(linkStatus(path).st_mode) && S_ISLNK(linkStatus(folder/"link").st_mode));
-  EXPECT_EQ(linkStatus(folder/"target").st_mode & 07777, 0640u);
-  expectLoadable(folder/"target");
+  EXPECT_TRUE(S_ISLNK(linkStatus(path).st_mode) && S_ISLNK(linkStatus(folder / "link").st_mode));
+  EXPECT_EQ(linkStatus(folder / "target").st_mode & 07777, 0640u);
+  expectLoadable(folder / "target");
   EXPECT_EQ(names(), (std::vector<std::string>{"a.cbvh", "link", "target"}));
 }
 
-TEST_F(ReplacedFiles, DanglingLinkStaysAndItsTargetIsCreated)
-{
+TEST_F(ReplacedFiles, DanglingLinkStaysAndItsTargetIsCreated) {
   ASSERT_EQ(symlink("target", path.c_str()), 0);
   ASSERT_TRUE(save(path)) << device.message;
   EXPECT_TRUE(S_ISLNK(linkStatus(path).st_mode));
-  EXPECT_TRUE(S_ISREG(linkStatus(folder/"target").st_mode));
+  EXPECT_TRUE(S_ISREG(linkStatus(folder / "target").st_mode));
   expectLoadable(path);
-  ASSERT_EQ(symlink("round", (folder/"round").c_str()), 0);
-  EXPECT_FALSE(save(folder/"round"));
-  expectError({folder/"round", std::strerror(ELOOP)});
+  ASSERT_EQ(symlink("round", (folder / "round").c_str()), 0);
+  EXPECT_FALSE(save(folder / "round"));
+  expectError({folder / "round", std::strerror(ELOOP)});
 }
 
-TEST_F(ReplacedFiles, NonRegularFilesAreRejectedAndStay)
-{
+TEST_F(ReplacedFiles, NonRegularFilesAreRejectedAndStay) {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   EXPECT_FALSE(save(path));
   expectError({path, "regular"});
   EXPECT_TRUE(S_ISFIFO(linkStatus(path).st_mode));
-  ASSERT_EQ(symlink("/dev/null", (folder/"link").c_str()), 0);
-  EXPECT_FALSE(save(folder/"link"));
-  expectError({folder/"link", "regular"});
-  EXPECT_TRUE(S_ISLNK(linkStatus(folder/"link").st_mode) && S_ISCHR(linkStatus("/dev/null").st_mode));
+  ASSERT_EQ(symlink("/dev/null", (folder / "link").c_str()), 0);
+  EXPECT_FALSE(save(folder / "link"));
+  expectError({folder / "link", "regular"});
+  EXPECT_TRUE(S_ISLNK(linkStatus(folder / "link").st_mode) && S_ISCHR(linkStatus("/dev/null").st_mode));
   EXPECT_FALSE(save(folder.path));
   expectError({folder.path, std::strerror(EISDIR)});
   /* like /dev/stdout redirected to a file that other processes also write */
-  writeBytes(folder/"log", "begin\n");
-  const int log = open((folder/"log").c_str(), O_WRONLY | O_APPEND);
+  writeBytes(folder / "log", "begin\n");
+  const int log = open((folder / "log").c_str(), O_WRONLY | O_APPEND);
   EXPECT_FALSE(save("/dev/fd/" + std::to_string(log)));
   expectError({"/dev/fd/" + std::to_string(log), "regular"});
   close(log);
-  EXPECT_EQ(bytesOf(folder/"log"), "begin\n");
+  EXPECT_EQ(bytesOf(folder / "log"), "begin\n");
   EXPECT_EQ(names(), (std::vector<std::string>{"a.cbvh", "link", "log"}));
 }
 
-TEST_F(ReplacedFiles, NonRegularFilesDoNotBlock)
-{
+TEST_F(ReplacedFiles, NonRegularFilesDoNotBlock) {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   alarm(20); // opening a FIFO without a writer would block forever
   EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
@@ -130,8 +119,7 @@ TEST_F(ReplacedFiles, NonRegularFilesDoNotBlock)
   alarm(0);
 }
 
-TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved)
-{
+TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved) {
   const auto beginInChild = [&](const std::string& to) {
     EXPECT_TRUE(WIFSIGNALED(statusOfChild([&] {
       rtcNewCompressedFileWriter(device, to.c_str());
@@ -141,12 +129,12 @@ TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved)
   beginInChild(path);
   const std::vector<std::string> killed = names();
   ASSERT_EQ(killed.size(), 1u) << "the writer has no temporary file";
-  beginInChild(folder/"b.cbvh");
-  writeBytes(folder/"a.cbvh.part-1-0", "another program's");
-  writeBytes(folder/"a.cbvh.cbvh-part-readme", "another program's");
+  beginInChild(folder / "b.cbvh");
+  writeBytes(folder / "a.cbvh.part-1-0", "another program's");
+  writeBytes(folder / "a.cbvh.cbvh-part-readme", "another program's");
   RTCCompressedFileWriter alive = rtcNewCompressedFileWriter(device, path.c_str());
   ASSERT_NE(alive, nullptr);
-  EXPECT_NE(access((folder/killed[0]).c_str(), F_OK), 0) << "the killed writer's file still exists";
+  EXPECT_NE(access((folder / killed[0]).c_str(), F_OK), 0) << "the killed writer's file still exists";
   EXPECT_EQ(names().size(), 4u) << "one for the other path, two of other programs, one that is being written";
   ASSERT_TRUE(save(path)) << device.message;
   EXPECT_EQ(names().size(), 5u);
@@ -157,8 +145,7 @@ TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved)
 }
 
 // Unlike temporary files, these names do not contain ".cbvh-part-".
-TEST_F(ReplacedFiles, FilesWithSimilarNamesStay)
-{
+TEST_F(ReplacedFiles, FilesWithSimilarNamesStay) {
   const auto take = [&](int process, int count) {
     writeBytes(path + ".part-" + std::to_string(process) + "-" + std::to_string(count), "");
   };
@@ -170,12 +157,11 @@ TEST_F(ReplacedFiles, FilesWithSimilarNamesStay)
   EXPECT_EQ(names().size(), before + 1);
 }
 
-TEST_F(ReplacedFiles, NamesUpToTheFileSystemsLimitAreSupported)
-{
+TEST_F(ReplacedFiles, NamesUpToTheFileSystemsLimitAreSupported) {
   const auto nameOf = [](size_t bytes) { return std::string(bytes, 'n'); };
   for (size_t bytes : {228u, 229u, 245u, 250u, 251u, 255u}) {
     SCOPED_TRACE(bytes);
-    const std::string to = folder/nameOf(bytes);
+    const std::string to = folder / nameOf(bytes);
     ASSERT_TRUE(save(to)) << device.message;
     RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
     ASSERT_NE(writer, nullptr) << device.message;
@@ -191,21 +177,20 @@ TEST_F(ReplacedFiles, NamesUpToTheFileSystemsLimitAreSupported)
     EXPECT_EQ(names(), std::vector<std::string>{nameOf(bytes)});
     std::remove(to.c_str());
   }
-  const std::string tooLong = folder/nameOf(256);
+  const std::string tooLong = folder / nameOf(256);
   EXPECT_EQ(rtcNewCompressedFileWriter(device, tooLong.c_str()), nullptr) << "the error must be reported at creation";
   expectError({tooLong, std::strerror(ENAMETOOLONG)});
   /* two long names that differ in their last byte must not share a file */
   RTCCompressedFileWriter writers[2];
   for (int i = 0; i < 2; i++) {
-    writers[i] = rtcResumeCompressedFileWriter(device, (folder/(nameOf(254) + std::to_string(i))).c_str(), 1);
+    writers[i] = rtcResumeCompressedFileWriter(device, (folder / (nameOf(254) + std::to_string(i))).c_str(), 1);
     EXPECT_NE(writers[i], nullptr) << device.message;
   }
   for (RTCCompressedFileWriter writer : writers) rtcReleaseCompressedFileWriter(writer);
   EXPECT_TRUE(names().empty());
 }
 
-TEST_F(ReplacedFiles, FileSizeLimitIsAnErrorAndLeavesNoFile)
-{
+TEST_F(ReplacedFiles, FileSizeLimitIsAnErrorAndLeavesNoFile) {
   ASSERT_TRUE(save(path));
   const size_t whole = bytesOf(path).size();
   std::remove(path.c_str());
@@ -226,22 +211,27 @@ TEST_F(ReplacedFiles, FileSizeLimitIsAnErrorAndLeavesNoFile)
 }
 
 // A process that holds the lock of a partial file must not lose it before the file has its final name.
-TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles)
-{
+TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles) {
   constexpr int processes = 3, rounds = 40;
   std::vector<pid_t> children;
   for (int p = 0; p < processes; p++) {
     const pid_t child = fork();
-    if (child != 0) { children.push_back(child); continue; }
+    if (child != 0) {
+      children.push_back(child);
+      continue;
+    }
     renameDelay = 2000;
     int commits = 0, spoiled = 0;
     for (int tries = 0; commits < rounds && tries < 100000; tries++) {
       RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, path.c_str(), 7);
-      if (!writer) { usleep(200); continue; } // another process holds it
+      if (!writer) {
+        usleep(200);
+        continue;
+      } // another process holds it
       commits++;
       const bool isNew = rtcGetCompressedFileWriterGeometryCount(writer) == 0;
       const bool isComplete =
-        isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
+          isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
       spoiled += !isComplete;
       rtcReleaseCompressedFileWriter(writer);
     }
@@ -267,5 +257,4 @@ TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles)
   EXPECT_EQ(names(), std::vector<std::string>{"a.cbvh"});
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

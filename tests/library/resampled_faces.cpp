@@ -16,18 +16,16 @@
 #include <cstdio>
 #include <numeric>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-std::vector<RTCRayHit> raysFromAround(Random& random, unsigned count)
-{
+std::vector<RTCRayHit> raysFromAround(Random& random, unsigned count) {
   std::vector<RTCRayHit> rays;
   for (unsigned i = 0; i < count; i++) {
     Vec o, d;
     for (int k = 0; k < 3; k++) o[k] = float(random.normal());
     const float length = std::sqrt(std::inner_product(o.begin(), o.end(), o.begin(), 0.0f));
     for (int k = 0; k < 3; k++) {
-      o[k] *= 4/length;
+      o[k] *= 4 / length;
       d[k] = float(random.uniform(-0.5, 0.5)) - o[k];
     }
     rays.push_back(makeRay(o, d));
@@ -36,8 +34,7 @@ std::vector<RTCRayHit> raysFromAround(Random& random, unsigned count)
 }
 
 // For rates that GRID resamples to the same multiples, vertices match GRID's except on borders to lower rates.
-TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
-{
+TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks) {
   Device device;
   const Cage cage = cubeCage();
   Random random(63);
@@ -48,15 +45,18 @@ TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
   settings.compression = RTC_COMPRESSION_CGRID;
   const Twins twins(device, cage, settings);
   EXPECT_EQ(statisticsOf(twins.scene).numUncompressedQuads, 0u);
-  const float quad = 1.0f/16;
+  const float quad = 1.0f / 16;
   unsigned interior = 0, borders = 0;
   for (const RTCRayHit& ray : raysFromAround(random, 20000)) {
     const RTCRayHit a = intersect(twins.grid, ray), b = intersect(twins.scene, ray);
     if (!isHit(a) || !isHit(b) || a.hit.primID != b.hit.primID) continue;
     // GRID stores parameters in 16 bits, and its fans at borders have the parameters of the edge
     ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad)
-      << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
-    if (std::min({a.hit.u, a.hit.v, 1 - a.hit.u, 1 - a.hit.v}) < quad) { borders++; continue; }
+        << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
+    if (std::min({a.hit.u, a.hit.v, 1 - a.hit.u, 1 - a.hit.v}) < quad) {
+      borders++;
+      continue;
+    }
     interior++;
     // the same test rounds differently in different compilations
     ASSERT_NEAR(a.ray.tfar, b.ray.tfar, 1e-5f) << a.hit.u << " " << a.hit.v;
@@ -69,37 +69,36 @@ TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
 
 class ResampledFaces : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, ResampledFaces,
-  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF), nameOf);
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF), nameOf);
 
 // cVERT has GRID's vertices for any rates.
 class AnyRates : public ResampledFaces {};
 INSTANTIATE_TEST_SUITE_P(Compression, AnyRates,
-  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                         RTC_COMPRESSION_CVERT),
+                         nameOf);
 
 // True if a ray hits a much finer surface at a steep angle.
-bool isSteep(const RTCRayHit& fine)
-{
+bool isSteep(const RTCRayHit& fine) {
   const float* N = &fine.hit.Ng_x;
   const float* D = &fine.ray.dir_x;
   const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0),
                dd = std::inner_product(D, D + 3, D, 0.0);
-  return nd*nd >= 0.25*nn*dd;
+  return nd * nd >= 0.25 * nn * dd;
 }
 
 // Distance of a hit from that surface along its normal.
-double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit)
-{
+double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit) {
   const float* N = &fine.hit.Ng_x;
   const float* D = &fine.ray.dir_x;
   const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0);
-  return std::fabs(hit.ray.tfar - fine.ray.tfar)*std::fabs(nd)/std::sqrt(nn);
+  return std::fabs(hit.ray.tfar - fine.ray.tfar) * std::fabs(nd) / std::sqrt(nn);
 }
 
 /* Largest distance of the hit leaf from its quads, along the finer surface's normal: in cLEAF half its thickness,
  * measured in z of the frame; in cVOXEL and solid leaves, where rays hit boxes on entry, its extent. On borders, the
  * smallest value of the leaves there. */
-double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RTCRayHit& fine, const RTCRayHit& hit)
-{
+double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RTCRayHit& fine, const RTCRayHit& hit) {
   using namespace embree::cbvh;
   const float* N = &fine.hit.Ng_x;
   const double n = std::sqrt(std::inner_product(N, N + 3, N, 0.0));
@@ -112,21 +111,22 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
     auto across = [&](double x, double y, double z) {
       Double3 p = {};
       EXPECT_TRUE(unproject(map, x, y, z, p));
-      return (p.x*N[0] + p.y*N[1] + p.z*N[2])/n;
+      return (p.x * N[0] + p.y * N[1] + p.z * N[2]) / n;
     };
     const float *l = leaf.box.lower, *e = leaf.box.extent;
     double error;
     if (kind == Kind::CVOXEL || leaf.solid) {
       double lowest = INFINITY, highest = -INFINITY;
       for (int c = 0; c < 8; c++) {
-        const double d = across(l[0] + (c & 1)*e[0], l[1] + ((c >> 1) & 1)*e[1], l[2] + (c >> 2)*e[2]);
+        const double d = across(l[0] + (c & 1) * e[0], l[1] + ((c >> 1) & 1) * e[1], l[2] + (c >> 2) * e[2]);
         lowest = std::min(lowest, d);
         highest = std::max(highest, d);
       }
       error = highest - lowest;
     } else {
-      const double x = l[0] + 0.5*e[0], y = l[1] + 0.5*e[1], z = 0.25*(leaf.z[0] + leaf.z[1] + leaf.z[2] + leaf.z[3]);
-      error = std::fabs(across(x, y, z + 0.25*leaf.thickness) - across(x, y, z - 0.25*leaf.thickness));
+      const double x = l[0] + 0.5 * e[0], y = l[1] + 0.5 * e[1],
+                   z = 0.25 * (leaf.z[0] + leaf.z[1] + leaf.z[2] + leaf.z[3]);
+      error = std::fabs(across(x, y, z + 0.25 * leaf.thickness) - across(x, y, z - 0.25 * leaf.thickness));
     }
     least = std::min(least, error);
   }
@@ -135,8 +135,7 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
 
 /* Resampling has finer quads inside and no fans at borders, so it does not increase the error, as cGRID shows. Leaves
  * of other kinds add half of their range on average, because quads are distributed evenly over it. */
-TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
-{
+TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError) {
   Device device;
   for (const auto& set : rateSets) {
     SCOPED_TRACE(testing::Message() << "rates " << set.name);
@@ -163,20 +162,19 @@ TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
         ours += distanceAcross(f, b);
         const double error = leafError(blocks, f, b);
         ASSERT_TRUE(std::isfinite(error))
-          << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
-        allowed += 0.5*error;
+            << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
+        allowed += 0.5 * error;
         count++;
       }
     }
-    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours/count,
-                grids/count, allowed/count);
+    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours / count,
+                grids / count, allowed / count);
     EXPECT_GT(count, 3000u);
-    EXPECT_LE(ours/count, (grids + allowed)/count);
+    EXPECT_LE(ours / count, (grids + allowed) / count);
   }
 }
 
-TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
-{
+TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks) {
   Device device;
   for (float rate : {16.0f, 64.0f, 300.0f})
     for (int frameLevel : {0, 1, RTC_COMPRESSION_FRAME_LEVEL_INHERIT, RTC_COMPRESSION_FRAME_LEVEL_AUTO}) {
@@ -201,11 +199,10 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
 }
 
 // The ratios are larger than at level 6, because most faces have a fraction of its quads.
-TEST_P(AnyRates, MemoryIsAFractionOfGrid)
-{
-  const double largestPart = GetParam() == RTC_COMPRESSION_CGRID ? 0.65
+TEST_P(AnyRates, MemoryIsAFractionOfGrid) {
+  const double largestPart = GetParam() == RTC_COMPRESSION_CGRID    ? 0.65
                              : GetParam() == RTC_COMPRESSION_CVOXEL ? 0.14
-                                                                   : 0.22;
+                                                                    : 0.22;
   for (const auto& set : rateSets) {
     SCOPED_TRACE(testing::Message() << "rates " << set.name);
     ssize_t bytes[2];
@@ -226,13 +223,12 @@ TEST_P(AnyRates, MemoryIsAFractionOfGrid)
       rtcCommitScene(scene);
       bytes[i] = memory.live - before;
     }
-    EXPECT_LE(bytes[1], bytes[0]*largestPart);
+    EXPECT_LE(bytes[1], bytes[0] * largestPart);
   }
 }
 
 // A box so flat that its sides have no usable frame. They store exact vertices, because GRID's borders differ.
-TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
-{
+TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers) {
   Device device;
   Random random(67);
   Cage cage = cubeCage();
@@ -254,8 +250,7 @@ TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
   }
 }
 
-TEST_P(AnyRates, ChangedRatesAreRebuilt)
-{
+TEST_P(AnyRates, ChangedRatesAreRebuilt) {
   Device device;
   const Cage cage = prismCage(5);
   Random random(66);
@@ -291,5 +286,4 @@ TEST_P(AnyRates, ChangedRatesAreRebuilt)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

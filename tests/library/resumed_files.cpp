@@ -15,36 +15,30 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class ResumedFiles : public testing::Test
-{
+class ResumedFiles : public testing::Test {
 protected:
   static constexpr unsigned long long key = 0x123456789abcdef0ull;
 
-  RTCCompressedFileWriter resume(unsigned long long of = key)
-  {
+  RTCCompressedFileWriter resume(unsigned long long of = key) {
     return rtcResumeCompressedFileWriter(device, path.c_str(), of);
   }
 
-  void append(RTCCompressedFileWriter writer, size_t i)
-  {
+  void append(RTCCompressedFileWriter writer, size_t i) {
     RTCGeometry geometry = all[i].make(device);
     ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
     rtcReleaseGeometry(geometry);
   }
 
-  void expectRefused(const std::string& cause, unsigned long long of = key)
-  {
+  void expectRefused(const std::string& cause, unsigned long long of = key) {
     EXPECT_EQ(resume(of), nullptr);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(containsInOrder(device.message, {part, cause}));
   }
 
   /* The file contains the first n geometries, with equal hits to the bit. */
-  void expectWhole(size_t n)
-  {
+  void expectWhole(size_t n) {
     RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
     ASSERT_NE(file, nullptr) << device.message;
     EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
@@ -64,15 +58,14 @@ protected:
       for (size_t k = 0; k < rays.size(); k++)
         ASSERT_TRUE(std::memcmp(&hits[k].ray.tfar, &expected[k].ray.tfar, sizeof(float)) == 0 &&
                     hits[k].hit.primID == expected[k].hit.primID &&
-                    std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2*sizeof(float)) == 0)
-          << all[i].name << ", ray " << k;
+                    std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2 * sizeof(float)) == 0)
+            << all[i].name << ", ray " << k;
     }
     rtcReleaseCompressedFile(file);
   }
 
   /* Writes only the first geometry. Returns the number of bytes. */
-  size_t begin()
-  {
+  size_t begin() {
     RTCCompressedFileWriter writer = resume();
     append(writer, 0);
     rtcReleaseCompressedFileWriter(writer);
@@ -80,8 +73,7 @@ protected:
   }
 
   /* The first geometry still exists, and the second completes the file. */
-  void finish()
-  {
+  void finish() {
     RTCCompressedFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
     EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 1u);
@@ -95,11 +87,10 @@ protected:
   Device device;
   Random random{7};
   const std::vector<Saveable> all = allSaveable();
-  const std::string path = folder/"all.cbvh", part = path + ".part";
+  const std::string path = folder / "all.cbvh", part = path + ".part";
 };
 
-TEST_F(ResumedFiles, ReleasedWriterCanBeResumed)
-{
+TEST_F(ResumedFiles, ReleasedWriterCanBeResumed) {
   for (size_t i = 0; i < all.size(); i++) { // each with a new writer
     RTCCompressedFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
@@ -116,8 +107,7 @@ TEST_F(ResumedFiles, ReleasedWriterCanBeResumed)
   expectWhole(all.size());
 }
 
-TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey)
-{
+TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey) {
   auto write = [&](RTCCompressedFileWriter writer) {
     ASSERT_NE(writer, nullptr) << device.message;
     append(writer, 0);
@@ -130,8 +120,7 @@ TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey)
   EXPECT_EQ(resumed == bytesOf(path), true);
 }
 
-TEST_F(ResumedFiles, FileSystemsWithoutFsyncAreSupported)
-{
+TEST_F(ResumedFiles, FileSystemsWithoutFsyncAreSupported) {
   for (int error : {EINVAL, EROFS, EIO}) {
     SCOPED_TRACE(strerror(error));
     fsyncError = error;
@@ -151,8 +140,7 @@ TEST_F(ResumedFiles, FileSystemsWithoutFsyncAreSupported)
   }
 }
 
-TEST_F(ResumedFiles, KillLosesOnlyDataAfterTheLastFlush)
-{
+TEST_F(ResumedFiles, KillLosesOnlyDataAfterTheLastFlush) {
   begin();
   RTCGeometry second = all[1].make(device);
   size_t killed = 0;
@@ -169,8 +157,7 @@ TEST_F(ResumedFiles, KillLosesOnlyDataAfterTheLastFlush)
   finish();
 }
 
-TEST_F(ResumedFiles, FullDiskKeepsSavedData)
-{
+TEST_F(ResumedFiles, FullDiskKeepsSavedData) {
   const size_t saved = begin();
   RTCGeometry second = all[1].make(device);
   const int status = statusOfChild([&] {
@@ -189,8 +176,7 @@ TEST_F(ResumedFiles, FullDiskKeepsSavedData)
   finish();
 }
 
-TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
-{
+TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged) {
   RTCCompressedFileWriter writer = resume();
   append(writer, 0);
   expectRefused("writer");
@@ -228,8 +214,7 @@ TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
 }
 
 /* A file is resumed if and only if it could be opened once it is committed. Changed fields have fitting checksums. */
-TEST_F(ResumedFiles, ReadersAndResumedWritersAcceptTheSameFiles)
-{
+TEST_F(ResumedFiles, ReadersAndResumedWritersAcceptTheSameFiles) {
   RTCCompressedFileWriter writer = resume();
   append(writer, 0);
   append(writer, 1);
@@ -245,8 +230,9 @@ TEST_F(ResumedFiles, ReadersAndResumedWritersAcceptTheSameFiles)
     writeBytes(path, file.bytes);
     writeBytes(part, file.bytes);
     const auto errorOf = [](const std::function<void()>& open) {
-      try { open(); }
-      catch (const cvert::Error& error) { return std::string(error.what()); }
+      try {
+        open();
+      } catch (const cvert::Error& error) { return std::string(error.what()); }
       return std::string();
     };
     const std::string reader = errorOf([&] { cvert::File opened(path); });
@@ -287,19 +273,17 @@ TEST_F(ResumedFiles, ReadersAndResumedWritersAcceptTheSameFiles)
   for (int i = 0; i < 2000; i++)
     expectSame("any word", [&](FileBytes& file) {
       const size_t i = random.below(uint32_t(file.size()));
-      const size_t at = file.header().directory + i*sizeof(cvert::FileGeometry);
+      const size_t at = file.header().directory + i * sizeof(cvert::FileGeometry);
       alterWord(random, file.bytes, at, at + sizeof(cvert::FileGeometry), random.chance(0.5) ? 4 : 8);
     });
   EXPECT_GT(accepted, 100u);
   EXPECT_GT(refused, 100u);
 }
 
-TEST_F(ResumedFiles, NullIsRejected)
-{
+TEST_F(ResumedFiles, NullIsRejected) {
   EXPECT_EQ(rtcResumeCompressedFileWriter(device, nullptr, key), nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(nullptr), 0u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -13,20 +13,17 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-float outside(const RTCBounds& b, const Vec& p)
-{
+float outside(const RTCBounds& b, const Vec& p) {
   return std::max(
-    {b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
+      {b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
 }
 
 class SceneBounds : public testing::TestWithParam<RTCCompression> {};
 
 // t and the point have rounding errors of a few ulps of the distance, by which the traversal widens rays (local_ray.h).
-TEST_P(SceneBounds, ContainEveryHit)
-{
+TEST_P(SceneBounds, ContainEveryHit) {
   Device device;
   Random random(61);
   unsigned hits = 0, reachesPast = 0;
@@ -43,9 +40,9 @@ TEST_P(SceneBounds, ContainEveryHit)
         const RTCRayHit hit = intersect(scene, randomRay(random, RayKind::Across, sheet));
         if (!isHit(hit)) continue;
         hits++;
-        const Vec p = {hit.ray.org_x + hit.ray.tfar*hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar*hit.ray.dir_y,
-                       hit.ray.org_z + hit.ray.tfar*hit.ray.dir_z};
-        const float tolerance = 64*std::numeric_limits<float>::epsilon()*(1 + hit.ray.tfar);
+        const Vec p = {hit.ray.org_x + hit.ray.tfar * hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar * hit.ray.dir_y,
+                       hit.ray.org_z + hit.ray.tfar * hit.ray.dir_z};
+        const float tolerance = 64 * std::numeric_limits<float>::epsilon() * (1 + hit.ray.tfar);
         ASSERT_LE(outside(bounds, p), tolerance) << nameOf(shape) << ", height " << height;
         reachesPast += outside(vertices, p) > tolerance;
       }
@@ -69,13 +66,12 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds,
 
 // Bounds are rounded outwards: a neighboring face, which must catch rays that pass this one, may round vertices
 // differently.
-TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace)
-{
+TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace) {
   Device device;
   Random random(62);
   for (int i = 0; i < 40; i++) {
-    const double scale = random.magnitude(1e-3, 1e3), away = scale*random.magnitude(1e-3, 1e3);
-    const Sheet sheet = randomSheet(random, Shape::Waves, 3, {scale, {away, -0.3*away, 0.7*away}});
+    const double scale = random.magnitude(1e-3, 1e3), away = scale * random.magnitude(1e-3, 1e3);
+    const Sheet sheet = randomSheet(random, Shape::Waves, 3, {scale, {away, -0.3 * away, 0.7 * away}});
     Scene scene(device);
     commitSheet(device, scene, sheet, GetParam());
     ASSERT_EQ(statisticsOf(scene).numBlocks, 1u);
@@ -84,7 +80,7 @@ TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace)
     double coordinate = 0;
     for (const Vec& p : sheet.vertices)
       for (float x : p) coordinate = std::max(coordinate, std::fabs(double(x)));
-    const double rounding = embree::cbvh::vertexRounding*coordinate;
+    const double rounding = embree::cbvh::vertexRounding * coordinate;
     const float lower[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z},
                 upper[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
     for (const Vec& p : sheet.vertices)
@@ -95,5 +91,4 @@ TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -20,24 +20,23 @@
 
 #include <optional>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr int level = 5;
 constexpr ImageSize size = {512, 512};
 
-struct Fixture
-{
+struct Fixture {
   Fixture(const std::string& name, std::optional<float> amplitude)
-    : model(loadModel(name, amplitude)), grid(built("grid")), camera(chooseCamera("full", model, *grid, size, threads)),
-      primary(primaryRays(camera)), gridHits(traceClosest(*grid, primary, threads))
-  {
+    : model(loadModel(name, amplitude)),
+      grid(built("grid")),
+      camera(chooseCamera("full", model, *grid, size, threads)),
+      primary(primaryRays(camera)),
+      gridHits(traceClosest(*grid, primary, threads)) {
     shadows.raysPerHit = 2;
-    shadows.offset.length = 0.5f*quadWidth();
+    shadows.offset.length = 0.5f * quadWidth();
   }
 
-  static Model loadModel(const std::string& name, std::optional<float> amplitude)
-  {
+  static Model loadModel(const std::string& name, std::optional<float> amplitude) {
     SceneSettings settings;
     settings.scene = name;
     settings.amplitude = amplitude;
@@ -46,16 +45,14 @@ struct Fixture
     return loadScene(settings, warning);
   }
 
-  std::unique_ptr<BuiltScene> built(const std::string& representation) const
-  {
+  std::unique_ptr<BuiltScene> built(const std::string& representation) const {
     BuildSettings settings;
     settings.level = level;
     return std::make_unique<BuiltScene>(model, parseRepresentations(representation, 2).front(), settings);
   }
 
   // Mean length of the edges in the patches' first rows.
-  float quadWidth() const
-  {
+  float quadWidth() const {
     BuildSettings settings;
     settings.level = level;
     const std::vector<Vec3f> vertices = tessellate(model, settings);
@@ -64,22 +61,19 @@ struct Fixture
     for (const Patch& patch : grid->layout().patches())
       for (unsigned i = 0; i < patch.resolution; i++, n++)
         sum += length(vertices[patch.firstVertex + i + 1] - vertices[patch.firstVertex + i]);
-    return float(sum/double(n));
+    return float(sum / double(n));
   }
 
-  ShadowComparison compare(RTCScene scene, const std::vector<SurfaceHit>& hits) const
-  {
+  ShadowComparison compare(RTCScene scene, const std::vector<SurfaceHit>& hits) const {
     return compareShadows({grid->tracer(), gridHits}, {EmbreeTracer(scene), hits}, {primary, camera.footprint()},
                           shadows, threads);
   }
 
-  ShadowComparison compare(const BuiltScene& scene) const
-  {
+  ShadowComparison compare(const BuiltScene& scene) const {
     return compare(scene.handle(), traceClosest(scene, primary, threads));
   }
 
-  ShadowComparison compareNearSide(const BuiltScene& leaf) const
-  {
+  ShadowComparison compareNearSide(const BuiltScene& leaf) const {
     const NearSideScene nearSide(leaf.handle());
     std::vector<SurfaceHit> hits(primary.size());
     RTCIntersectContext context;
@@ -103,14 +97,12 @@ struct Fixture
   ShadowSettings shadows;
 };
 
-double share(const ShadowComparison& c) { return double(c.all.sum())/double(c.rays); }
+double share(const ShadowComparison& c) { return double(c.all.sum()) / double(c.rays); }
 
-class SelfShadow : public testing::Test
-{
+class SelfShadow : public testing::Test {
 protected:
   // fallback_faces is off because the tests are about leaves.
-  static void expectAtMost(double bound, const Fixture& f)
-  {
+  static void expectAtMost(double bound, const Fixture& f) {
     const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf-only"));
     EXPECT_GT(leaf.rays, 100000u);
     EXPECT_EQ(grid.all.sum(), 0u) << "cGRID has GRID's triangles";
@@ -122,16 +114,14 @@ TEST_F(SelfShadow, AtMostOneInAThousandOnGentleSurface) { expectAtMost(0.001, Fi
 
 TEST_F(SelfShadow, AtMostOneInAHundredOnFrog) { expectAtMost(0.01, Fixture("frog", std::nullopt)); }
 
-TEST_F(SelfShadow, AtMostAFifthOfNearSideRuleAtEmbreesOffset)
-{
+TEST_F(SelfShadow, AtMostAFifthOfNearSideRuleAtEmbreesOffset) {
   for (const char* scene : {"knee", "cube"}) {
     SCOPED_TRACE(scene);
     Fixture f(scene, std::nullopt);
     f.shadows.offset = RayOffset::ofEmbree();
     const std::unique_ptr<BuiltScene> leaf = f.built("cleaf-only");
-    EXPECT_LE(share(f.compare(*leaf)), 0.2*share(f.compareNearSide(*leaf)));
+    EXPECT_LE(share(f.compare(*leaf)), 0.2 * share(f.compareNearSide(*leaf)));
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -12,13 +12,11 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 class CrossedSheets : public testing::TestWithParam<RTCCompression> {};
 
-TEST_P(CrossedSheets, NoRayPassesThroughRandomSheets)
-{
+TEST_P(CrossedSheets, NoRayPassesThroughRandomSheets) {
   Device device;
   for (const bool packets : {false, true}) {
     SCOPED_TRACE(packets ? "packets" : "single rays");
@@ -32,8 +30,7 @@ TEST_P(CrossedSheets, NoRayPassesThroughRandomSheets)
   }
 }
 
-struct Known
-{
+struct Known {
   int level, frameLevel;
   double amplitude, sideways;
   Vec org, dir;
@@ -41,14 +38,13 @@ struct Known
 
 // All of them entered their first leaf below its patch, after passing over others.
 const Known known[] = {
-  {5, 0, 3, 0, {0.931433916f, 0.64561826f, 0.0570035204f}, {-0.893551171f, -0.448961407f, -0.790583491f}},
-  {5, 0, 1, 0, {-0.721437335f, -0.000574890291f, 0.0191232525f}, {-0.998789847f, 0.049181655f, -0.335739315f}},
-  {6, 2, 1, 0, {-0.610621214f, 0.0206685122f, 0.0107404422f}, {-0.999700308f, 0.0244808868f, -0.234315008f}},
-  {5, 2, 0.2, 0.3, {0.261337489f, 0.430581003f, 0.00786359143f}, {-0.551255643f, 0.8343364f, -0.0589791946f}},
-  {3, 2, 1, 0.3, {0.878058851f, -0.64934516f, 0.132683814f}, {0.14841795f, 0.988924742f, -1.26615787f}}};
+    {5, 0, 3, 0, {0.931433916f, 0.64561826f, 0.0570035204f}, {-0.893551171f, -0.448961407f, -0.790583491f}},
+    {5, 0, 1, 0, {-0.721437335f, -0.000574890291f, 0.0191232525f}, {-0.998789847f, 0.049181655f, -0.335739315f}},
+    {6, 2, 1, 0, {-0.610621214f, 0.0206685122f, 0.0107404422f}, {-0.999700308f, 0.0244808868f, -0.234315008f}},
+    {5, 2, 0.2, 0.3, {0.261337489f, 0.430581003f, 0.00786359143f}, {-0.551255643f, 0.8343364f, -0.0589791946f}},
+    {3, 2, 1, 0.3, {0.878058851f, -0.64934516f, 0.132683814f}, {0.14841795f, 0.988924742f, -1.26615787f}}};
 
-TEST_P(CrossedSheets, RaysOfPastDefectsDoNotPass)
-{
+TEST_P(CrossedSheets, RaysOfPastDefectsDoNotPass) {
   Device device;
   for (const Known& k : known) {
     DisplacedSheet sheet;
@@ -70,5 +66,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets,
                                          RTC_COMPRESSION_CVERT),
                          [](const auto& info) { return kindName(info.param); });
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

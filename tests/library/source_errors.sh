@@ -18,7 +18,13 @@ if LC_ALL=C "$@" -fsyntax-only "$file" > "$work/log" 2>&1; then
 fi
 sed -n 's|^ *// expected: ||p' "$file" > "$work/expected"
 sed -n 's|.*error: static.*a source needs \([^"]*\)"*$|\1|p' "$work/log" > "$work/found"
-diff "$work/expected" "$work/found" || { cat "$work/log"; exit 1; }
+diff "$work/expected" "$work/found" || {
+  cat "$work/log"
+  exit 1
+}
 # In some compilers the caller's assertion also fails.
 others=$(grep 'error:' "$work/log" | grep -v 'a source needs' | grep -v 'non-constant condition' || true)
-[ -z "$others" ] || { echo "$others"; exit 1; }
+[ -z "$others" ] || {
+  echo "$others"
+  exit 1
+}

@@ -16,32 +16,29 @@
 #include <set>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using Triangle = std::array<Vec, 3>;
 
 // Collects all parts.
-struct AllParts
-{
+struct AllParts {
   std::map<unsigned, std::set<Triangle>> triangles; // by primID
   size_t quads = 0, calls = 0, mostCalls = ~size_t(0);
 
   explicit AllParts(RTCGeometry geometry) { rtcForEachCompressedPart(geometry, 0, add, this); }
 
-  static bool add(void* self, const RTCCompressedPart* part)
-  {
+  static bool add(void* self, const RTCCompressedPart* part) {
     AllParts& all = *(AllParts*)self;
     all.calls++;
     const auto at = [&](unsigned x, unsigned y) {
-      const float* p = part->vertices + 3*(y*part->width + x);
+      const float* p = part->vertices + 3 * (y * part->width + x);
       return Vec{p[0], p[1], p[2]};
     };
     const auto isNumber = [](const Vec& p) {
       return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
     };
-    for (unsigned i = 0; i < part->width*part->height; i++)
-      EXPECT_TRUE(part->parameters[2*i] >= 0 && part->parameters[2*i + 1] >= 0);
+    for (unsigned i = 0; i < part->width * part->height; i++)
+      EXPECT_TRUE(part->parameters[2 * i] >= 0 && part->parameters[2 * i + 1] >= 0);
     for (unsigned y = 0; y + 1 < part->height; y++)
       for (unsigned x = 0; x + 1 < part->width; x++) {
         const Vec a = at(x, y), b = at(x + 1, y), c = at(x, y + 1), d = at(x + 1, y + 1);
@@ -54,8 +51,7 @@ struct AllParts
 };
 
 // The triangles of hits contain the hits, have their normals and parameters, and are among all triangles.
-void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vector<RTCRayHit>& rays)
-{
+void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vector<RTCRayHit>& rays) {
   const AllParts all(geometry);
   size_t hits = 0;
   for (const RTCRayHit& ray : rays) {
@@ -75,41 +71,43 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
     for (int k = 0; k < 3; k++) {
       e1[k] = double(t.vertices[1][k]) - t.vertices[0][k];
       e2[k] = double(t.vertices[2][k]) - t.vertices[0][k];
-      s[k] = origin[k] + double(r.ray.tfar)*direction[k] - t.vertices[0][k];
+      s[k] = origin[k] + double(r.ray.tfar) * direction[k] - t.vertices[0][k];
     }
     const auto cross = [](const double a[3], const double b[3], int k) {
-      return a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
+      return a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
     };
     for (int k = 0; k < 3; k++) {
       n[k] = cross(e1, e2, k);
-      nn += n[k]*n[k];
-      dn += n[k]*direction[k];
-      gn += n[k]*Ng[k];
-      gg += double(Ng[k])*Ng[k];
+      nn += n[k] * n[k];
+      dn += n[k] * direction[k];
+      gn += n[k] * Ng[k];
+      gg += double(Ng[k]) * Ng[k];
     }
-    ASSERT_GT(gn*gn, 0.9999*nn*gg) << "Ng";
+    ASSERT_GT(gn * gn, 0.9999 * nn * gg) << "Ng";
     double w1 = 0, w2 = 0, off = 0;
-    for (int k = 0; k < 3; k++) { w1 += cross(s, e2, k)*n[k]/nn; w2 += cross(e1, s, k)*n[k]/nn; off += s[k]*n[k]; }
+    for (int k = 0; k < 3; k++) {
+      w1 += cross(s, e2, k) * n[k] / nn;
+      w2 += cross(e1, s, k) * n[k] / nn;
+      off += s[k] * n[k];
+    }
     // a grazing ray
-    if (std::fabs(dn) < 0.05*std::sqrt(nn)*
-                          std::sqrt(double(direction[0])*direction[0] + double(direction[1])*direction[1] +
-                                    double(direction[2])*direction[2]))
+    if (std::fabs(dn) < 0.05 * std::sqrt(nn) *
+                            std::sqrt(double(direction[0]) * direction[0] + double(direction[1]) * direction[1] +
+                                      double(direction[2]) * direction[2]))
       continue;
     ASSERT_GT(std::min({w1, w2, 1 - w1 - w2}), -0.02);
-    ASSERT_LT(std::fabs(off)/std::sqrt(nn), 1e-5*std::max(1.0f, r.ray.tfar));
-    ASSERT_NEAR(t.u[0] + w1*(t.u[1] - t.u[0]) + w2*(t.u[2] - t.u[0]), r.hit.u, 1e-3);
-    ASSERT_NEAR(t.v[0] + w1*(t.v[1] - t.v[0]) + w2*(t.v[2] - t.v[0]), r.hit.v, 1e-3);
+    ASSERT_LT(std::fabs(off) / std::sqrt(nn), 1e-5 * std::max(1.0f, r.ray.tfar));
+    ASSERT_NEAR(t.u[0] + w1 * (t.u[1] - t.u[0]) + w2 * (t.u[2] - t.u[0]), r.hit.u, 1e-3);
+    ASSERT_NEAR(t.v[0] + w1 * (t.v[1] - t.v[0]) + w2 * (t.v[2] - t.v[0]), r.hit.v, 1e-3);
   }
-  EXPECT_GT(hits, rays.size()/4);
+  EXPECT_GT(hits, rays.size() / 4);
 }
 
-TEST(StoredTriangles, CagesMatchHitTriangles)
-{
+TEST(StoredTriangles, CagesMatchHitTriangles) {
   Device device;
   Random random(111);
   Displacement displacement;
-  const struct
-  {
+  const struct {
     const char* name;
     Cage cage;
   } cages[] = {{"cube", cubeCage()},
@@ -137,8 +135,7 @@ TEST(StoredTriangles, CagesMatchHitTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(StoredTriangles, GridsMatchHitTriangles)
-{
+TEST(StoredTriangles, GridsMatchHitTriangles) {
   Device device;
   Random random(112);
   Diced poisoned = dicedSheet(3, 20);
@@ -160,10 +157,8 @@ TEST(StoredTriangles, GridsMatchHitTriangles)
 
 // Devices whose rays hit with the same bits return the same vertices, also if the library does not contain a device's
 // ISA and traces with a lower one.
-TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal)
-{
-  struct Result
-  {
+TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal) {
+  struct Result {
     std::string isa;
     std::vector<float> hits;
     std::vector<Vec> vertices;
@@ -171,7 +166,7 @@ TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal)
   Random random(113);
   Diced diced = dicedSheet(2, 16);
   diced.motion = [](const Vec& p, unsigned step) {
-    return Vec{p[0] + 0.03f*step, p[1]*(1 + 0.1f*step), p[2] - 0.07f*step*p[0]};
+    return Vec{p[0] + 0.03f * step, p[1] * (1 + 0.1f * step), p[2] - 0.07f * step * p[0]};
   };
   const float time = 0.3f;
   std::vector<RTCRayHit> rays;
@@ -195,14 +190,17 @@ TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal)
       if (!isHit(r)) continue;
       for (float x : {r.ray.tfar, r.hit.u, r.hit.v, r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}) result.hits.push_back(x);
     }
-    EXPECT_GT(result.hits.size(), 6u*100u);
-    rtcForEachCompressedPart(geometry, time, [](void* vertices, const RTCCompressedPart* part) {
-      for (unsigned i = 0; i < part->width*part->height; i++) {
-        const float* p = part->vertices + 3*i;
-        ((std::vector<Vec>*)vertices)->push_back({p[0], p[1], p[2]});
-      }
-      return true;
-    }, &result.vertices);
+    EXPECT_GT(result.hits.size(), 6u * 100u);
+    rtcForEachCompressedPart(
+        geometry, time,
+        [](void* vertices, const RTCCompressedPart* part) {
+          for (unsigned i = 0; i < part->width * part->height; i++) {
+            const float* p = part->vertices + 3 * i;
+            ((std::vector<Vec>*)vertices)->push_back({p[0], p[1], p[2]});
+          }
+          return true;
+        },
+        &result.vertices);
     std::sort(result.vertices.begin(), result.vertices.end()); // the order of parts is unspecified
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     for (const Result& other : results) {
@@ -215,8 +213,7 @@ TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal)
   EXPECT_GT(numComparisons, 0u) << "the default is one of the ISAs";
 }
 
-TEST(StoredTriangles, ManyThreadsReadThem)
-{
+TEST(StoredTriangles, ManyThreadsReadThem) {
   Device device;
   Scene scene(device);
   const Diced diced = dicedSheet(8, 8);
@@ -232,11 +229,10 @@ TEST(StoredTriangles, ManyThreadsReadThem)
         found += rtcFindCompressedTriangle(geometry, 0, primID, 0.3f, 0.6f, nullptr, &t);
     });
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(found, 8*diced.grids.size());
+  EXPECT_EQ(found, 8 * diced.grids.size());
 }
 
-TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
-{
+TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors) {
   Device device;
   RTCCompressedTriangle t;
   const auto lookUp = [&](RTCGeometry geometry, unsigned primID = 0) {
@@ -282,26 +278,21 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
 }
 
 // Release the last reference, or commit without compression: blocks that are being read exist until the call returns.
-TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry)
-{
-  struct Callback
-  {
+TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry) {
+  struct Callback {
     RTCGeometry geometry;
     bool releases;
     Memory& memory;
     size_t calls = 0;
     ssize_t freed = 0;
 
-    static bool function(void* self, const RTCCompressedPart* part)
-    {
+    static bool function(void* self, const RTCCompressedPart* part) {
       Callback& callback = *(Callback*)self;
       EXPECT_GT(part->width, 1u);
       if (callback.calls++ != 0) return true;
       const ssize_t before = callback.memory.live;
-      if (callback.releases)
-        rtcReleaseGeometry(callback.geometry);
-      else
-        commitAs(callback.geometry, RTC_COMPRESSION_NONE, 0);
+      if (callback.releases) rtcReleaseGeometry(callback.geometry);
+      else commitAs(callback.geometry, RTC_COMPRESSION_NONE, 0);
       callback.freed = before - callback.memory.live;
       return true;
     }
@@ -329,5 +320,4 @@ TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -5,11 +5,9 @@
 
 #include "support/grid_agreement.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
-{
+void compare(Device& device, const Cage& cage, unsigned level, int frameLevel) {
   Random random(42);
   Displacement displacement;
   SurfaceSettings settings;
@@ -36,8 +34,7 @@ void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
   }
 }
 
-TEST(SurfaceLevels, EveryLevelAndFrameLevelMatchesGrid)
-{
+TEST(SurfaceLevels, EveryLevelAndFrameLevelMatchesGrid) {
   Device device;
   Cage cage = sheetCage(1);
   cage.mode = RTC_SUBDIVISION_MODE_PIN_CORNERS;
@@ -50,8 +47,7 @@ TEST(SurfaceLevels, EveryLevelAndFrameLevelMatchesGrid)
 }
 
 // A frame level beyond the level gives one quad per block.
-TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
-{
+TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped) {
   Device device;
   Displacement displacement;
   for (unsigned level : {0, 1, 3}) {
@@ -61,15 +57,14 @@ TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
     settings.compression = RTC_COMPRESSION_CLEAF;
     settings.frameLevel = 8;
     const SurfaceScene scene(device, cubeCage(), settings);
-    EXPECT_EQ(statisticsOf(scene).numBlocks, 6*(size_t(1) << (2*level)));
-    EXPECT_EQ(statisticsOf(scene).numQuads, 6*(size_t(1) << (2*level)));
+    EXPECT_EQ(statisticsOf(scene).numBlocks, 6 * (size_t(1) << (2 * level)));
+    EXPECT_EQ(statisticsOf(scene).numQuads, 6 * (size_t(1) << (2 * level)));
   }
 }
 
 // Orientation of corners in blocks of one quad: cLEAF splits the quad into four leaves. Their middle planes are
 // multiples of 1/64, so the error of parameters is at most half of that.
-TEST(SurfaceLevels, SingleQuadBlocksHaveParametersOfTheirFace)
-{
+TEST(SurfaceLevels, SingleQuadBlocksHaveParametersOfTheirFace) {
   Device device;
   for (RTCCompression compression : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF})
     for (unsigned level : {0, 2}) {
@@ -80,16 +75,15 @@ TEST(SurfaceLevels, SingleQuadBlocksHaveParametersOfTheirFace)
       settings.compression = compression;
       settings.frameLevel = int(level);
       const SurfaceScene scene(device, quadCage(), settings);
-      EXPECT_EQ(statisticsOf(scene).numBlocks, size_t(1) << (2*level));
+      EXPECT_EQ(statisticsOf(scene).numBlocks, size_t(1) << (2 * level));
       for (int i = 0; i < 500; i++) {
         const float x = float(random.uniform(0.01, 0.99)), y = float(random.uniform(0.01, 0.99));
         const RTCRayHit hit = intersect(scene, makeRay({x, y, 1}, {0, 0, -1}));
         ASSERT_TRUE(isHit(hit)) << x << ", " << y;
-        ASSERT_NEAR(hit.hit.u, x, 0.01f/settings.rate);
-        ASSERT_NEAR(hit.hit.v, y, 0.01f/settings.rate);
+        ASSERT_NEAR(hit.hit.u, x, 0.01f / settings.rate);
+        ASSERT_NEAR(hit.hit.v, y, 0.01f / settings.rate);
       }
     }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

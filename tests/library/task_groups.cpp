@@ -8,13 +8,11 @@
 #include "support/irregular_mesh.h"
 #include "support/task_groups.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 enum class Source { Triangles, Cage, Grids, Mesh };
 
-struct Kind
-{
+struct Kind {
   const char* name;
   Source source;
   RTCCompression compression;
@@ -22,22 +20,21 @@ struct Kind
 };
 
 const Kind kinds[] = {
-  {"triangles", Source::Triangles, RTC_COMPRESSION_NONE, 1},
-  {"moving triangles", Source::Triangles, RTC_COMPRESSION_NONE, 2},
-  {"GRID", Source::Cage, RTC_COMPRESSION_NONE, 1},
-  {"moving GRID", Source::Cage, RTC_COMPRESSION_NONE, 2},
-  {"cVERT", Source::Cage, RTC_COMPRESSION_CVERT, 1},
-  {"moving cVERT", Source::Cage, RTC_COMPRESSION_CVERT, 2},
-  {"cLEAF", Source::Cage, RTC_COMPRESSION_CLEAF, 1},
-  {"grids", Source::Grids, RTC_COMPRESSION_CVERT, 1},
-  {"moving grids", Source::Grids, RTC_COMPRESSION_CVERT, 2},
-  {"quads", Source::Mesh, RTC_COMPRESSION_CVERT, 1},
-  {"moving quads", Source::Mesh, RTC_COMPRESSION_CVERT, 2},
+    {"triangles", Source::Triangles, RTC_COMPRESSION_NONE, 1},
+    {"moving triangles", Source::Triangles, RTC_COMPRESSION_NONE, 2},
+    {"GRID", Source::Cage, RTC_COMPRESSION_NONE, 1},
+    {"moving GRID", Source::Cage, RTC_COMPRESSION_NONE, 2},
+    {"cVERT", Source::Cage, RTC_COMPRESSION_CVERT, 1},
+    {"moving cVERT", Source::Cage, RTC_COMPRESSION_CVERT, 2},
+    {"cLEAF", Source::Cage, RTC_COMPRESSION_CLEAF, 1},
+    {"grids", Source::Grids, RTC_COMPRESSION_CVERT, 1},
+    {"moving grids", Source::Grids, RTC_COMPRESSION_CVERT, 2},
+    {"quads", Source::Mesh, RTC_COMPRESSION_CVERT, 1},
+    {"moving quads", Source::Mesh, RTC_COMPRESSION_CVERT, 2},
 };
 
 // Every kind extends over the middle of [-1,1]^2, and is committed here.
-RTCGeometry newGeometry(RTCDevice device, const Kind& kind, Displacement& displacement)
-{
+RTCGeometry newGeometry(RTCDevice device, const Kind& kind, Displacement& displacement) {
   const Diced sheet = dicedSheet(3, 16, 0x1p-10);
   Random random(7);
   switch (kind.source) {
@@ -58,8 +55,7 @@ RTCGeometry newGeometry(RTCDevice device, const Kind& kind, Displacement& displa
 }
 
 // Exit status of a child process, which a commit that keeps a pointer into the group ends by a segmentation fault.
-int commitInTemporaryGroups(const Kind& kind, void (*commitScene)(RTCScene))
-{
+int commitInTemporaryGroups(const Kind& kind, void (*commitScene)(RTCScene)) {
   Device device;
   Displacement displacement;
   bool hits[2];
@@ -82,8 +78,7 @@ int commitInTemporaryGroups(const Kind& kind, void (*commitScene)(RTCScene))
   return device.takeError() == RTC_ERROR_NONE && hits[0] && hits[1] ? 0 : 1;
 }
 
-TEST(TaskGroups, ScenesOutliveTheGroupThatCommitsThem)
-{
+TEST(TaskGroups, ScenesOutliveTheGroupThatCommitsThem) {
   for (const Kind& kind : kinds)
     for (auto commitScene : {rtcCommitScene, rtcJoinCommitScene}) {
       SCOPED_TRACE(std::string(kind.name) + (commitScene == rtcCommitScene ? "" : ", joined"));
@@ -91,8 +86,7 @@ TEST(TaskGroups, ScenesOutliveTheGroupThatCommitsThem)
     }
 }
 
-TEST(TaskGroups, CommitsInACanceledGroupComplete)
-{
+TEST(TaskGroups, CommitsInACanceledGroupComplete) {
   for (const Kind& kind : kinds) {
     SCOPED_TRACE(kind.name);
     Device device;
@@ -110,5 +104,4 @@ TEST(TaskGroups, CommitsInACanceledGroupComplete)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -6,13 +6,11 @@
 #include "support/grid_agreement.h"
 #include "support/message_parts.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // edgeRates: levels of all edges, if not empty.
 void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed,
-                         const std::vector<std::string>& lineParts, unsigned timeSteps = 1)
-{
+                         const std::vector<std::string>& lineParts, unsigned timeSteps = 1) {
   Random random(43);
   Displacement displacement;
   std::vector<RTCRayHit> rays = raysAt(random, 1500);
@@ -45,24 +43,21 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
       ASSERT_EQ(x.hit.u, y.hit.u);
       ASSERT_EQ(x.hit.v, y.hit.v);
     }
-    EXPECT_GT(hits, rays.size()/4);
+    EXPECT_GT(hits, rays.size() / 4);
   }
 }
 
-TEST(UncompressedSurfaces, RatesAbove256MatchStock)
-{
+TEST(UncompressedSurfaces, RatesAbove256MatchStock) {
   std::vector<float> rates;
-  for (unsigned i = 0; i < 24; i++) rates.push_back(i % 4 == 1 ? 257 : float(1 + (i*7)%12));
+  for (unsigned i = 0; i < 24; i++) rates.push_back(i % 4 == 1 ? 257 : float(1 + (i * 7) % 12));
   compareUncompressed(4, rates, false, {" 256 ", " GRID"});
 }
 
-TEST(UncompressedSurfaces, MotionBlurMatchesStock)
-{
+TEST(UncompressedSurfaces, MotionBlurMatchesStock) {
   compareUncompressed(8, {}, false, {" 6 faces ", "motion", "fallback_faces=1"}, 2);
 }
 
-TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)
-{
+TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes) {
   Device device;
   Displacement displacement;
   Random random(44);
@@ -81,5 +76,4 @@ TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)
   expectEqualToGrid(twins.grid, twins.scene, raysAt(random, 3000), cubeCage());
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

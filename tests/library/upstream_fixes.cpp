@@ -18,17 +18,14 @@
 #include <thread>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Floats that end at an unreadable page.
-class BeforeUnreadable
-{
+class BeforeUnreadable {
 public:
-  explicit BeforeUnreadable(const std::vector<float>& data)
-  {
-    const size_t page = size_t(sysconf(_SC_PAGESIZE)), bytes = sizeof(float)*data.size(),
-                 used = (bytes + page - 1)/page*page;
+  explicit BeforeUnreadable(const std::vector<float>& data) {
+    const size_t page = size_t(sysconf(_SC_PAGESIZE)), bytes = sizeof(float) * data.size(),
+                 used = (bytes + page - 1) / page * page;
     size = used + page;
     memory = (char*)mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     mprotect(memory + used, page, PROT_NONE);
@@ -46,8 +43,7 @@ private:
   size_t size;
 };
 
-TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers)
-{
+TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers) {
   for (unsigned timeSteps : {1u, 2u}) {
     Device device;
     Diced diced = dicedSheet(2, 16);
@@ -56,9 +52,9 @@ TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers)
     attach(alone, newGrids(device, diced, RTC_COMPRESSION_NONE, 0, timeSteps));
     rtcCommitScene(alone);
     const std::vector<RTCGrid> good = diced.grids,
-                               bad = {{0, 0x80000000u, 3, 3}, {0, 0x55555556u, 3, 4}, {50, 0xFFFFFFF0u, 3, 3},
-                                      {0xFFFFFFFEu, 33, 3, 3}, {0, 33, 0, 5}, {0, 33, 5, 0},
-                                      {0, 33, 1, 4}, {0, 33, 4, 1}};
+                               bad = {{0, 0x80000000u, 3, 3},  {0, 0x55555556u, 3, 4}, {50, 0xFFFFFFF0u, 3, 3},
+                                      {0xFFFFFFFEu, 33, 3, 3}, {0, 33, 0, 5},          {0, 33, 5, 0},
+                                      {0, 33, 1, 4},           {0, 33, 4, 1}};
     diced.grids.clear();
     for (const RTCGrid& grid : good) {
       diced.grids.insert(diced.grids.end(), bad.begin(), bad.end());
@@ -78,8 +74,7 @@ TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers)
   }
 }
 
-TEST(UpstreamFixes, GridsWithTooManyVerticesAreErrors)
-{
+TEST(UpstreamFixes, GridsWithTooManyVerticesAreErrors) {
   Device device;
   Diced diced;
   diced.add(40000, 2, [](unsigned x, unsigned y) { return Vec{float(x), float(y), 0}; });
@@ -89,12 +84,11 @@ TEST(UpstreamFixes, GridsWithTooManyVerticesAreErrors)
 }
 
 // At u = 1 and v = 1, where the last row and column end.
-TEST(UpstreamFixes, InterpolationDoesNotReadAfterAGrid)
-{
+TEST(UpstreamFixes, InterpolationDoesNotReadAfterAGrid) {
   Device device;
   std::vector<float> positions;
   for (unsigned y = 0; y < 5; y++)
-    for (unsigned x = 0; x < 7; x++) positions.insert(positions.end(), {float(x), float(2*y), float(x*y), 9});
+    for (unsigned x = 0; x < 7; x++) positions.insert(positions.end(), {float(x), float(2 * y), float(x * y), 9});
   const BeforeUnreadable vertices(positions);
   const RTCGrid grid = {0, 7, 7, 5};
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
@@ -106,27 +100,28 @@ TEST(UpstreamFixes, InterpolationDoesNotReadAfterAGrid)
       float P[3], dPdu[3], dPdv[3];
       rtcInterpolate1(geometry, 0, u, v, RTC_BUFFER_TYPE_VERTEX, 0, P, dPdu, dPdv, 3);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-      EXPECT_NEAR(P[0], 6*u, 1e-4) << u << ", " << v;
-      EXPECT_NEAR(P[1], 8*v, 1e-4) << u << ", " << v;
+      EXPECT_NEAR(P[0], 6 * u, 1e-4) << u << ", " << v;
+      EXPECT_NEAR(P[1], 8 * v, 1e-4) << u << ", " << v;
       for (const float* d : {dPdu, dPdv})
         EXPECT_TRUE(std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]));
     }
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, BuffersThatExceedTheirMemoryAreErrors)
-{
+TEST(UpstreamFixes, BuffersThatExceedTheirMemoryAreErrors) {
   Device device;
   RTCBuffer buffer = rtcNewBuffer(device, 1200);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const struct { size_t offset, stride, count; bool isValid;
-  } cases[] = {{0, 12, 100, true}, {12, 24, 50, true}, {1188, 12, 1, true}, {0, 0, 100, true},
+  const struct {
+    size_t offset, stride, count;
+    bool isValid;
+  } cases[] = {{0, 12, 100, true},  {12, 24, 50, true},   {1188, 12, 1, true},   {0, 0, 100, true},
                {0, 12, 101, false}, {0, 12, 1000, false}, {5000, 12, 10, false}, {0, size_t(1) << 63, 2, false},
-               {0, 24, 51, false}, {1200, 12, 1, false}};
+               {0, 24, 51, false},  {1200, 12, 1, false}};
   for (const auto& c : cases) {
     rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, c.offset, c.stride, c.count);
     EXPECT_EQ(device.takeError(), c.isValid ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT)
-      << c.offset << " + " << c.count << " * " << c.stride;
+        << c.offset << " + " << c.count << " * " << c.stride;
   }
   rtcReleaseGeometry(geometry);
   rtcReleaseBuffer(buffer);
@@ -136,8 +131,7 @@ TEST(UpstreamFixes, BuffersThatExceedTheirMemoryAreErrors)
   }
 }
 
-TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
-{
+TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut) {
   for (unsigned timeSteps : {1u, 2u}) {
     const Cage cage = sheetCage(8);
     const unsigned numVertices = unsigned(cage.positions.size());
@@ -174,8 +168,7 @@ TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
 
 // Embree kept the arrays by which it sorts half-edges, 32 bytes for each, which its memory monitor does not count, and
 // rounded the number of half-edges up to a power of two.
-TEST(UpstreamFixes, CommittedCagesKeepNoMemoryForSorting)
-{
+TEST(UpstreamFixes, CommittedCagesKeepNoMemoryForSorting) {
   const Cage cage = sheetCage(100);
   const auto heapBytes = [] {
     const struct mallinfo2 info = mallinfo2();
@@ -187,35 +180,30 @@ TEST(UpstreamFixes, CommittedCagesKeepNoMemoryForSorting)
   rtcReleaseGeometry(newSurface(device, sheetCage(2), {})); // first use of lists that the process keeps
   const ssize_t heap = heapBytes(), monitored = memory.live;
   const RTCGeometry geometry = newSurface(device, cage, {});
-  EXPECT_GT(memory.live - monitored, ssize_t(32*cage.indices.size())) << "the half-edges themselves";
-  EXPECT_LT(memory.live - monitored, ssize_t(56*cage.indices.size())) << "half-edges, buffers and tables";
-  EXPECT_LT(heapBytes() - heap - (memory.live - monitored), ssize_t(8*cage.indices.size()));
+  EXPECT_GT(memory.live - monitored, ssize_t(32 * cage.indices.size())) << "the half-edges themselves";
+  EXPECT_LT(memory.live - monitored, ssize_t(56 * cage.indices.size())) << "half-edges, buffers and tables";
+  EXPECT_LT(heapBytes() - heap - (memory.live - monitored), ssize_t(8 * cage.indices.size()));
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
-{
-  struct Case { std::vector<std::string> parts; std::function<void(Cage&, SurfaceSettings&)> change;
+TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors) {
+  struct Case {
+    std::vector<std::string> parts;
+    std::function<void(Cage&, SurfaceSettings&)> change;
   } cases[] = {
-    {{"face 5 ", " 5 vertices", " 24 indices"},
-     [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
-    {{"face 0 ", " 4294967295 vertices", " 24 indices"},
-     [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
-    {{" 23 levels", " 24"},
-     [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
-    {{" 1 ", "edge crease", " 2"},
-     [](Cage& cage, SurfaceSettings&) {
-       cage.creases = {{0, 1}, {1, 3}};
-       cage.creaseWeights = {1};
-     }},
-    {{" 0 ", "edge crease", " 1"},
-     [](Cage& cage, SurfaceSettings&) {
-       cage.creases = {{0, 1}};
-     }},
-    {{" 1 ", "vertex crease", " 3"}, [](Cage& cage, SurfaceSettings&) {
-       cage.corners = {0, 1, 2};
-       cage.cornerWeights = {1};
-     }}};
+      {{"face 5 ", " 5 vertices", " 24 indices"}, [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
+      {{"face 0 ", " 4294967295 vertices", " 24 indices"}, [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
+      {{" 23 levels", " 24"}, [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
+      {{" 1 ", "edge crease", " 2"},
+       [](Cage& cage, SurfaceSettings&) {
+         cage.creases = {{0, 1}, {1, 3}};
+         cage.creaseWeights = {1};
+       }},
+      {{" 0 ", "edge crease", " 1"}, [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}}; }},
+      {{" 1 ", "vertex crease", " 3"}, [](Cage& cage, SurfaceSettings&) {
+         cage.corners = {0, 1, 2};
+         cage.cornerWeights = {1};
+       }}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CVERT}) {
       Device device;
@@ -246,8 +234,7 @@ TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, MissingAttributesAreNotInterpolated)
-{
+TEST(UpstreamFixes, MissingAttributesAreNotInterpolated) {
   Device device;
   Random random(1);
   const DicedMesh mesh = meshOf(dicedSheet(1, 8), QuadOrder::Rows, random);
@@ -281,8 +268,7 @@ TEST(UpstreamFixes, MissingAttributesAreNotInterpolated)
 }
 
 // Nested scenes that exceed the depth of RTCPointQueryContext.
-TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth)
-{
+TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth) {
   for (unsigned levels : {1u, 2u, 3u}) {
     Device device;
     Random random(1);
@@ -292,26 +278,29 @@ TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth)
     for (unsigned level = 0; level < levels; level++) {
       RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
       rtcSetGeometryInstancedScene(instance, scenes.back());
-      const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
+      const float identity[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
       rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, identity);
       rtcCommitGeometry(instance);
       scenes.push_back(rtcNewScene(device));
       attach(scenes.back(), instance);
       rtcCommitScene(scenes.back());
     }
-    struct { RTCPointQueryContext context; unsigned char guard[1024]; } guarded;
+    struct {
+      RTCPointQueryContext context;
+      unsigned char guard[1024];
+    } guarded;
     std::memset(&guarded, 0xAB, sizeof(guarded));
     rtcInitPointQueryContext(&guarded.context);
     RTCPointQuery query = {};
     query.radius = 10;
     unsigned calls = 0;
     rtcPointQuery(
-      scenes.back(), &query, &guarded.context,
-      [](RTCPointQueryFunctionArguments* args) {
-        ++*(unsigned*)args->userPtr;
-        return false;
-      },
-      &calls);
+        scenes.back(), &query, &guarded.context,
+        [](RTCPointQueryFunctionArguments* args) {
+          ++*(unsigned*)args->userPtr;
+          return false;
+        },
+        &calls);
     for (unsigned char byte : guarded.guard) ASSERT_EQ(byte, 0xAB) << levels << " levels";
     EXPECT_EQ(guarded.context.instStackSize, 0u);
     EXPECT_EQ(calls > 0, levels <= RTC_MAX_INSTANCE_LEVEL_COUNT) << levels << " levels";
@@ -320,10 +309,13 @@ TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth)
 }
 
 // A low-quality tree of an application, with more children and larger leaves than the builder's arrays.
-TEST(UpstreamFixes, MortonTreesRespectTheirLimits)
-{
+TEST(UpstreamFixes, MortonTreesRespectTheirLimits) {
   Device device;
-  struct Counts { std::mutex mutex; size_t primitives = 0; unsigned children = 0, leaf = 0; };
+  struct Counts {
+    std::mutex mutex;
+    size_t primitives = 0;
+    unsigned children = 0, leaf = 0;
+  };
   for (const auto& [branching, leaf] : {std::make_pair(2u, 1u), std::make_pair(9u, 4u), std::make_pair(64u, 8u),
                                         std::make_pair(4u, 33u), std::make_pair(8u, 1000u)}) {
     std::vector<RTCBuildPrimitive> primitives(5000);
@@ -365,8 +357,7 @@ TEST(UpstreamFixes, MortonTreesRespectTheirLimits)
   }
 }
 
-TEST(UpstreamFixes, NonFiniteTimeRangesAreErrors)
-{
+TEST(UpstreamFixes, NonFiniteTimeRangesAreErrors) {
   Device device;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
@@ -381,8 +372,7 @@ TEST(UpstreamFixes, NonFiniteTimeRangesAreErrors)
 }
 
 // Moving cages with time ranges beyond those of rays: Embree read boxes of other patches, or out of bounds.
-TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
-{
+TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice) {
   const std::pair<float, float> ranges[] = {{0, 1}, {0.25f, 1.5f}, {-1, 2}, {-0.001f, 1}, {0.3f, 0.6f}, {-1, 0.5f}};
   for (const auto& [begin, end] : ranges)
     for (unsigned timeSteps : {2u, 3u, 5u}) {
@@ -398,7 +388,7 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
         Scene scene(device), other(device);
         if (hasOthers) { // memory with different contents
           SurfaceSettings far = settings;
-          far.motion = [](const Vec& p, unsigned step) { return Vec{p[0] - 1000*float(1 + step), p[1] + 500, p[2]}; };
+          far.motion = [](const Vec& p, unsigned step) { return Vec{p[0] - 1000 * float(1 + step), p[1] + 500, p[2]}; };
           addSurface(device, other, sheetCage(9), far);
           rtcCommitScene(other);
           addSurface(device, scene, prismCage(6), settings);
@@ -432,21 +422,19 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
 }
 
 // GCC before 14 stores 16 bits of a mask on the stack and reads back 64: the other 48 must not be zero by chance.
-[[gnu::noinline]] void fillStack()
-{
+[[gnu::noinline]] void fillStack() {
   volatile unsigned char bytes[1 << 17];
   for (size_t i = 0; i < sizeof(bytes); i++) bytes[i] = 0xFF;
 }
 
-TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
-{
+TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates) {
   alarm(240);
   Device device;
   Random random(4);
   const DicedMesh mesh = meshOf(dicedSheet(2, 16), QuadOrder::Rows, random);
   for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_COMPACT, RTC_SCENE_FLAG_ROBUST})
     for (int type = 0; type < 4; type++) {
-      RTCGeometry geometry = type == 0 ? newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_NONE)
+      RTCGeometry geometry = type == 0   ? newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_NONE)
                              : type == 1 ? newMesh(device, mesh, RTC_COMPRESSION_NONE)
                              : type == 2 ? newGrids(device, dicedSheet(2, 16), RTC_COMPRESSION_NONE)
                                          : newSurface(device, cubeCage(), SurfaceSettings());
@@ -466,10 +454,18 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
           for (size_t i = 0; i < 16; i++) {
             const RTCRay& r = rays[first + i].ray;
             valid[i] = -1;
-            packet.org_x[i] = r.org_x; packet.org_y[i] = r.org_y; packet.org_z[i] = r.org_z;
-            packet.dir_x[i] = r.dir_x; packet.dir_y[i] = r.dir_y; packet.dir_z[i] = r.dir_z;
-            packet.tnear[i] = r.tnear; packet.tfar[i] = r.tfar;
-            packet.time[i] = 0; packet.mask[i] = ~0u; packet.id[i] = unsigned(i); packet.flags[i] = 0;
+            packet.org_x[i] = r.org_x;
+            packet.org_y[i] = r.org_y;
+            packet.org_z[i] = r.org_z;
+            packet.dir_x[i] = r.dir_x;
+            packet.dir_y[i] = r.dir_y;
+            packet.dir_z[i] = r.dir_z;
+            packet.tnear[i] = r.tnear;
+            packet.tfar[i] = r.tfar;
+            packet.time[i] = 0;
+            packet.mask[i] = ~0u;
+            packet.id[i] = unsigned(i);
+            packet.flags[i] = 0;
           }
           RTCIntersectContext context;
           rtcInitIntersectContext(&context);
@@ -484,8 +480,7 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
   alarm(0);
 }
 
-TEST(UpstreamFixes, DevicesThatStartTheirThreadsDoNotHang)
-{
+TEST(UpstreamFixes, DevicesThatStartTheirThreadsDoNotHang) {
   alarm(120);
   for (int i = 0; i < 100; i++)
     for (const char* config : {"start_threads=1", "start_threads=1,threads=1", "start_threads=1,threads=2"})
@@ -493,8 +488,7 @@ TEST(UpstreamFixes, DevicesThatStartTheirThreadsDoNotHang)
   alarm(0);
 }
 
-TEST(UpstreamFixes, MoreDevicesThanKeysOfPthreads)
-{
+TEST(UpstreamFixes, MoreDevicesThanKeysOfPthreads) {
   std::vector<RTCDevice> devices;
   for (int i = 0; i < PTHREAD_KEYS_MAX + 100; i++) {
     devices.push_back(rtcNewDevice("threads=1"));
@@ -503,8 +497,7 @@ TEST(UpstreamFixes, MoreDevicesThanKeysOfPthreads)
   for (RTCDevice device : devices) rtcReleaseDevice(device);
 }
 
-TEST(UpstreamFixes, ErrorsBelongToTheirDeviceAndThread)
-{
+TEST(UpstreamFixes, ErrorsBelongToTheirDeviceAndThread) {
   const auto invalid = RTCDeviceProperty(12345);
   const RTCDevice devices[] = {rtcNewDevice("threads=1"), rtcNewDevice("threads=1")};
   for (int round = 0; round < 2; round++) {
@@ -528,5 +521,4 @@ TEST(UpstreamFixes, ErrorsBelongToTheirDeviceAndThread)
   for (RTCDevice device : devices) rtcReleaseDevice(device);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -19,46 +19,43 @@
 #include <algorithm>
 #include <tuple>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr size_t raysOfCase = 60000; // more than 10^6 per representation, twice
 constexpr uint32_t seed = 51;
 
 // Edges of quads after displacement.
-struct AimPointRecorder : public VertexRecorder
-{
+struct AimPointRecorder : public VertexRecorder {
   const Cage* cage = nullptr;
   unsigned level = 0, frameLevel = 0;
   AimPoints points;
 
-  void record(const RTCDisplacementFunctionNArguments& args) override
-  {
+  void record(const RTCDisplacementFunctionNArguments& args) override {
     for (unsigned i = 0; i + 1 < args.N; i++)
       if (args.v[i] == args.v[i + 1]) add(args, i);
   }
 
   // Adds an edge of a quad along u, in alternating directions.
-  void add(const RTCDisplacementFunctionNArguments& args, unsigned i)
-  {
+  void add(const RTCDisplacementFunctionNArguments& args, unsigned i) {
     const auto at = [&](unsigned k) { return Vec3f{args.P_x[k], args.P_y[k], args.P_z[k]}; };
     const unsigned a = i + (i & 1), b = i + 1 - (i & 1);
     const AimPoint point = {at(a), at(b), {args.Ng_x[i], args.Ng_y[i], args.Ng_z[i]}};
     const bool isQuad = cage->faces[args.primID] == 4;
     const long size = long(1) << (isQuad ? level : level - 1), block = std::max(1l, long(1) << level >> frameLevel);
     // corner i of an n-gon covers [0.5,1.5] + 2 (i mod 4, i div 4)
-    const auto local = [&](float u) { return std::lround((isQuad ? u : u - 0.5f - 2*std::floor(0.5f*u))*float(size)); };
+    const auto local = [&](float u) {
+      return std::lround((isQuad ? u : u - 0.5f - 2 * std::floor(0.5f * u)) * float(size));
+    };
     const long x = local(args.u[a]), y = local(args.v[a]);
     const bool onU = x % size == 0, onV = y % size == 0;
-    points[onU && onV ? AtCageVertex
-           : onU || onV ? AtFaceBorder
+    points[onU && onV                         ? AtCageVertex
+           : onU || onV                       ? AtFaceBorder
            : x % block == 0 || y % block == 0 ? AtBlockBorder
                                               : AtVertex]
-      .push_back(point);
+        .push_back(point);
   }
 
-  AimPoints taken()
-  {
+  AimPoints taken() {
     const auto key = [](const AimPoint& p) {
       return std::make_tuple(p.position.x, p.position.y, p.position.z, p.neighbor.x, p.neighbor.y, p.neighbor.z);
     };
@@ -68,8 +65,7 @@ struct AimPointRecorder : public VertexRecorder
   }
 };
 
-struct Case
-{
+struct Case {
   const char* name;
   Cage cage;
   unsigned level;
@@ -80,11 +76,10 @@ struct Case
   bool coarse; // a quad is a few ulps wide: faces round shared vertices by a part of a quad
 };
 
-std::vector<Case> cases()
-{
+std::vector<Case> cases() {
   const Vec origin = {0, 0, 0}, far = {148376, 1234, -223423};
   Cage creased = cubeCage();
-  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
   creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
   std::vector<Case> list;
   for (unsigned level = 3; level <= 7; level++)
@@ -99,25 +94,23 @@ std::vector<Case> cases()
   list.push_back({"far and wide", cubeCage(), 4, 1, 1000, far, false, false});
   list.push_back({"tiny", cubeCage(), 4, 1, 1e-6f, origin, false, false});
   list.push_back(
-    {"mixed frame levels", trapezohedronCage(5), 5, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1, origin, true, false});
+      {"mixed frame levels", trapezohedronCage(5), 5, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1, origin, true, false});
   return list;
 }
 
-class Watertight : public testing::TestWithParam<RTCCompression>
-{
+class Watertight : public testing::TestWithParam<RTCCompression> {
 protected:
-  static void expectNoLeaks(const LeakCounts& counts, const Case& c)
-  {
-    EXPECT_GT(counts.aimed, raysOfCase/4);
+  static void expectNoLeaks(const LeakCounts& counts, const Case& c) {
+    EXPECT_GT(counts.aimed, raysOfCase / 4);
     EXPECT_EQ(counts.sceneLeaks.any, counts.sceneLeaks.closest);
     const bool mayLeak = GetParam() == RTC_COMPRESSION_CGRID;
     // equal except for chance: a vertex that rounds differently moves a leak
-    const auto allowed = [&](size_t ofGrid) { return mayLeak ? double(ofGrid) + 5*std::sqrt(double(ofGrid)) + 5 : 0; };
+    const auto allowed = [&](size_t ofGrid) {
+      return mayLeak ? double(ofGrid) + 5 * std::sqrt(double(ofGrid)) + 5 : 0;
+    };
     EXPECT_LE(double(counts.sceneLeaks.closest), allowed(counts.gridLeaks.closest));
     EXPECT_LE(double(counts.sceneLeaks.through), allowed(counts.gridLeaks.through));
-    if (mayLeak && !c.coarse) {
-      EXPECT_EQ(counts.random.closest, 0u);
-    }
+    if (mayLeak && !c.coarse) { EXPECT_EQ(counts.random.closest, 0u); }
     for (const Ray& r : counts.examples)
       if (!mayLeak)
         ADD_FAILURE() << "leaks from " << r.origin.x << " " << r.origin.y << " " << r.origin.z << " towards "
@@ -125,8 +118,7 @@ protected:
   }
 };
 
-TEST_P(Watertight, RaysFromInsideHit)
-{
+TEST_P(Watertight, RaysFromInsideHit) {
   Device device;
   size_t rays = 0;
   for (const Case& c : cases()) {
@@ -145,7 +137,7 @@ TEST_P(Watertight, RaysFromInsideHit)
     settings.displacement = &recorder;
     settings.rate = float(1u << c.level);
     settings.frameLevel = c.frameLevel;
-    if (c.mixed) settings.maxError = 0.004f*c.scale;
+    if (c.mixed) settings.maxError = 0.004f * c.scale;
     settings.compression = GetParam();
     const SurfaceScene scene(device, c.cage, settings);
     settings.compression = RTC_COMPRESSION_NONE;
@@ -179,13 +171,11 @@ TEST_P(Watertight, RaysFromInsideHit)
   EXPECT_GE(rays, 2000000u);
 }
 
-std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
-{
-  return kindName(info.param);
-}
+std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
 
 INSTANTIATE_TEST_SUITE_P(Compression, Watertight,
-  testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
+                         testing::Values(RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                         RTC_COMPRESSION_CVERT),
+                         nameOf);
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

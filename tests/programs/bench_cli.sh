@@ -62,7 +62,7 @@ refuses "$folder/quad.obj/pictures: .*Not a directory" --scene cube --pictures "
   --ray-set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
   --rays 500 --repeat 1 --size 40x32 --true-surface 200 --reference-level 4 --pictures "$folder/pictures" \
   --json "$folder/good.json" \
-  >"$folder/stdout" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
+  > "$folder/stdout" 2> "$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
 for word in commit isa thread; do
   grep -q "$word" "$folder/stdout" || complain "no message about $word on stdout"
 done
@@ -70,7 +70,7 @@ grep -q "^  cLEAF^1 .*% of the quads stored as cVERT.* error median 0.* p99 " "$
   complain "no message about quads stored as cVERT"
 grep -q "RMSE" "$folder/stdout" && complain "an RMSE outside of the paper's section"
 [ -z "$(find "$folder" -name '*cbvh-part*')" ] || complain "temporary files are left"
-/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record is wrong"
+/usr/bin/python3 -B - "$folder" << 'PYTHON' || complain "the record is wrong"
 import json, os, sys
 folder = sys.argv[1]
 record = json.load(open(folder + "/good.json"))
@@ -131,7 +131,7 @@ PYTHON
 # The command in a record can be pasted into a shell.
 odd="$folder/it's {1}.json"
 "$program" --scene cube --level 1 --size 8x8 --repeat 0 --true-surface 0 --representation grid --json "$odd" \
-  >"$folder/stdout" 2>"$folder/stderr" || complain "odd name: $(cat "$folder/stderr")"
+  > "$folder/stdout" 2> "$folder/stderr" || complain "odd name: $(cat "$folder/stderr")"
 /usr/bin/python3 -B -c 'import json, shlex, sys
 assert shlex.split(json.load(open(sys.argv[1]))["run"]["command"])[-1] == sys.argv[1]' "$odd" ||
   complain "the command does not quote a name: $(cat "$odd")"
@@ -139,10 +139,10 @@ assert shlex.split(json.load(open(sys.argv[1]))["run"]["command"])[-1] == sys.ar
 # Moving geometry compared with GRID's motion blur, with random ray times: a static GRID would be far away.
 "$program" --scene cube --motion turn --level 3 --representation cvert --rays 500 --repeat 1 --size 40x32 \
   --json "$folder/moving.json" \
-  >"$folder/stdout" 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+  > "$folder/stdout" 2> "$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
 grep -q "warning: cvert" "$folder/stderr" && complain "a warning about cVERT in motion: $(cat "$folder/stderr")"
 "$program" --scene cube,cube:0.1 --motion turn --level 2 --representation cgrid,cleaf-only --repeat 0 --size 16x16 \
-  >"$folder/stdout" 2>"$folder/framed.err" || complain "motion of frames: $(cat "$folder/framed.err")"
+  > "$folder/stdout" 2> "$folder/framed.err" || complain "motion of frames: $(cat "$folder/framed.err")"
 [ "$(grep -c "^cbvh_bench: warning: cgrid .*cVERT" "$folder/framed.err")" = 1 ] &&
   grep -q "^cbvh_bench: warning: cleaf-only .*GRID" "$folder/framed.err" ||
   complain "no warning about blocks with frames: $(cat "$folder/framed.err")"
@@ -160,7 +160,7 @@ assert cvert["memory"]["compression"]["quads"] > 0 and cvert["speed"][0]["hits"]
 # Leaks and shadows of a closed surface that is far from the origin.
 "$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error-diagonals 0.01 \
   --position 1000,0,-50 --repeat 0 --size 40x32 --check leaks,offsets,crossings --check-rays 20000 \
-  --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
+  --json "$folder/checks.json" > "$folder/stdout" 2> "$folder/stderr" ||
   complain "checks: $(cat "$folder/stderr")"
 grep -q "leaks of" "$folder/stdout" || complain "no message about leaks"
 /usr/bin/python3 -B -c '
@@ -203,13 +203,13 @@ refuses "library .*--device vulkan" --scene cube --library "$folder/a" --device 
 # A library and its copy: the same hits, at about the same speed.
 "$program" --scene cube --level 4 --library "$folder/a,$folder/b/libembree3.so.3" --representation grid,cleaf,cvert \
   --query closest,any --mode single,packet4,stream --rays 2000 --repeat 3 --size 64x64 --true-surface 0 \
-  --json "$folder/copies.json" >"$folder/stdout" 2>"$folder/stderr" || complain "copies: $(cat "$folder/stderr")"
+  --json "$folder/copies.json" > "$folder/stdout" 2> "$folder/stderr" || complain "copies: $(cat "$folder/stderr")"
 grep -q "library B ($folder/b/libembree3.so.3), Embree 3.13" "$folder/stdout" || complain "no message about library B"
 grep -q "rays are identical to library A" "$folder/stdout" ||
   complain "no message about the hits: $(cat "$folder/stdout")"
 grep -q "Mrays/s.* of GRID, spread .* of A, spread" "$folder/stdout" ||
   complain "no message about the ratio of the libraries"
-/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of two libraries is wrong"
+/usr/bin/python3 -B - "$folder" << 'PYTHON' || complain "the record of two libraries is wrong"
 import json, sys
 record = json.load(open(sys.argv[1] + "/copies.json"))
 a, b = record["run"]["libraries"]
@@ -234,12 +234,12 @@ PYTHON
 
 # A library without compression, like stock Embree, and one that lacks a function: modified names in new files, so
 # that loaded ones do not change.
-sed 's/rtcSetGeometryCompression/rtcNotGeometryCompression/' "$library" >"$folder/a/libembree3.so.3"
+sed 's/rtcSetGeometryCompression/rtcNotGeometryCompression/' "$library" > "$folder/a/libembree3.so.3"
 "$program" --scene cube --level 3 --library "$folder/a,$folder/b" --representation naive,cvert --rays 500 --repeat 1 \
-  --size 32x32 --true-surface 0 --json "$folder/stock.json" >"$folder/stdout" 2>"$folder/stderr" ||
+  --size 32x32 --true-surface 0 --json "$folder/stock.json" > "$folder/stdout" 2> "$folder/stderr" ||
   complain "a library without compression: $(cat "$folder/stderr")"
 grep -q "cVERT .*library A ($folder/a/libembree3.so.3)" "$folder/stderr" || complain "no message about what is left out"
-/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of a library without compression is wrong"
+/usr/bin/python3 -B - "$folder" << 'PYTHON' || complain "the record of a library without compression is wrong"
 import json, sys
 results = json.load(open(sys.argv[1] + "/stock.json"))["groups"][0]["results"]
 measured = [(r["representation"], r["library"]) for r in results if "skipped" not in r]
@@ -249,18 +249,18 @@ for r in results:
     ratios = ["relative_to_first_library" in s for s in r.get("speed", [])]
     assert all(x == (r["library"] == "B" and r["representation"] != "cVERT") for x in ratios), r["representation"]
 PYTHON
-sed 's/rtcOccluded8/rtcOccludedX/' "$library" >"$folder/a/libembree3.so.3"
+sed 's/rtcOccluded8/rtcOccludedX/' "$library" > "$folder/a/libembree3.so.3"
 refuses "library A ($folder/a/libembree3.so.3) .*rtcOccluded8" --scene cube --level 2 --library "$folder/a" \
   --representation grid --query any --mode packet8 --repeat 1 --size 32x32
 
 # Options of the scene: two copies have twice the faces, and a separate name.
 "$program" --scene herd --count 2 --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
-  --map-folder "$folder/maps" --json "$folder/two.json" >/dev/null 2>"$folder/stderr" ||
+  --map-folder "$folder/maps" --json "$folder/two.json" > /dev/null 2> "$folder/stderr" ||
   complain "herd: $(cat "$folder/stderr")"
 "$program" --scene trex --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
-  --map-folder "$folder/maps" --json "$folder/one.json" >/dev/null 2>"$folder/stderr" ||
+  --map-folder "$folder/maps" --json "$folder/one.json" > /dev/null 2> "$folder/stderr" ||
   complain "trex: $(cat "$folder/stderr")"
-/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "two copies are not twice one"
+/usr/bin/python3 -B - "$folder" << 'PYTHON' || complain "two copies are not twice one"
 import json, sys
 one, two = (json.load(open(f"{sys.argv[1]}/{name}.json"))["groups"][0] for name in ("one", "two"))
 assert (one["scene"], two["scene"]) == ("trex-atlas", "herd-atlas-2")

@@ -11,7 +11,7 @@ export XDG_RUNTIME_DIR=$folder # if it is not set, libwayland prints an error wh
 failures=0
 
 # A cage of one quad with texture coordinates.
-cat >"$folder/quad.obj" <<OBJ
+cat > "$folder/quad.obj" << OBJ
 v 0 0 0
 v 1 0 0
 v 1 1 0
@@ -23,13 +23,16 @@ vt 0 1
 f 1/1 2/2 3/3 4/4
 OBJ
 
-complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
 
 # expect_refusal PATTERN ARGUMENT...: expects status 1, and one matching line on stderr.
 expect_refusal() {
   local pattern=$1
   shift
-  "$program" "$@" >"$folder/stdout" 2>"$folder/stderr"
+  "$program" "$@" > "$folder/stdout" 2> "$folder/stderr"
   local status=$?
   [ $status = 1 ] || complain "exit status $status: $*"
   grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
@@ -43,7 +46,7 @@ expect_refusal() {
 expect_cancellation() {
   local ready=$1 process status
   shift
-  "$program" "$@" >/dev/null 2>"$folder/stderr" &
+  "$program" "$@" > /dev/null 2> "$folder/stderr" &
   process=$!
   for _ in $(seq 1200); do
     eval "$ready" && break

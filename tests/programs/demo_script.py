@@ -54,8 +54,15 @@ class Demo(unittest.TestCase):
         (self.tree / "scripts/packaging").mkdir(parents=True)
         for name in ("demo.sh", "prebuilt.sh", "lib.sh", "packages", "packaging/sources.sh"):
             shutil.copy(ROOT / "scripts" / name, self.tree / "scripts" / name)
-        for name in ("common/a.cpp", "include/a.h", "kernels/a.cpp", "tutorials/a.cpp", "docs/a.md", "CMakeLists.txt",
-                     "CMakePresets.json"):
+        for name in (
+            "common/a.cpp",
+            "include/a.h",
+            "kernels/a.cpp",
+            "tutorials/a.cpp",
+            "docs/a.md",
+            "CMakeLists.txt",
+            "CMakePresets.json",
+        ):
             path = self.tree / name
             path.parent.mkdir(exist_ok=True)
             path.write_text("1")
@@ -74,8 +81,9 @@ class Demo(unittest.TestCase):
         path.chmod(0o755)
 
     def hash(self):
-        return subprocess.run([self.tree / "scripts/packaging/sources.sh"], check=True, stdout=subprocess.PIPE,
-                              text=True).stdout
+        return subprocess.run(
+            [self.tree / "scripts/packaging/sources.sh"], check=True, stdout=subprocess.PIPE, text=True
+        ).stdout
 
     def add_wheel(self, name=WHEEL):
         with zipfile.ZipFile(self.output / name, "w") as wheel:
@@ -94,20 +102,31 @@ class Demo(unittest.TestCase):
         (stage / "DEBIAN").mkdir()
         (stage / "DEBIAN/control").write_text(
             f"Package: {name}\nVersion: 0.9.0\nArchitecture: {architecture}\nMaintainer: The authors <>\n"
-            f"Depends: {depends}\nDescription: a stand-in\n")
-        subprocess.run(["dpkg-deb", "--root-owner-group", "--build", stage,
-                        self.output / f"{name}_0.9.0_{architecture}.deb"], check=True, stdout=subprocess.DEVNULL)
+            f"Depends: {depends}\nDescription: a stand-in\n"
+        )
+        subprocess.run(
+            ["dpkg-deb", "--root-owner-group", "--build", stage, self.output / f"{name}_0.9.0_{architecture}.deb"],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
 
     def add_packages(self, **options):
         self.add_package("libembree3-cbvh", "libtbb12 (>= 2021)", **options)
-        self.add_package("embree-cbvh-tools", "libembree3-cbvh (= 0.9.0), libc6 (>= 2), libembree3-3 (>= 3.13)",
-                         **options)
+        self.add_package(
+            "embree-cbvh-tools", "libembree3-cbvh (= 0.9.0), libc6 (>= 2), libembree3-3 (>= 3.13)", **options
+        )
 
     def run_demo(self, *words):
         """Returns the output of the demo. Sets `calls`: the programs that it started, in order, without options."""
         environment = dict(os.environ, PATH=f"{self.bin}:{os.environ['PATH']}")
-        result = subprocess.run([self.tree / "scripts/demo.sh", *words], env=environment, stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT, text=True, timeout=100)
+        result = subprocess.run(
+            [self.tree / "scripts/demo.sh", *words],
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=100,
+        )
         self.assertEqual(result.returncode, 0, result.stdout)
         calls = (self.folder / "calls").read_text().splitlines()
         (self.folder / "calls").unlink()
@@ -129,8 +148,14 @@ class Demo(unittest.TestCase):
 
     def test_remaining_time_never_grows(self):
         # Finished files, all files, seconds; estimates of 1900, 300, 224, 499, 40 and 2666 s.
-        statuses = ((10, 200, 100), (100, 200, 300), (120, 200, 337), (125, 200, 833), (199, 200, 7960),
-                    (150, 200, 8000))
+        statuses = (
+            (10, 200, 100),
+            (100, 200, 300),
+            (120, 200, 337),
+            (125, 200, 833),
+            (199, 200, 7960),
+            (150, 200, 8000),
+        )
         (self.folder / "progress").write_text("".join("@%d %d %d.5@[1/2] Building\n" % s for s in statuses))
         output = self.run_demo("--short", "--build")
         lines = re.findall("^ *([0-9]+) of 200 files(.*)$", output, re.MULTILINE)
@@ -187,8 +212,9 @@ class Demo(unittest.TestCase):
         (self.folder / "mirror").touch()
         self.add_packages()
         output = self.run_demo("--short")
-        self.assertEqual(self.calls, ["apt-get satisfy libtbb12 (>= 2021), libc6 (>= 2), ", "package in triplet"],
-                         output)
+        self.assertEqual(
+            self.calls, ["apt-get satisfy libtbb12 (>= 2021), libc6 (>= 2), ", "package in triplet"], output
+        )
 
     def test_packages_of_another_distribution(self):
         (self.folder / "library").unlink()

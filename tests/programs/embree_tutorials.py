@@ -30,16 +30,22 @@ def draw(folder, program, rtcore, *options):
     path = os.path.join(folder, "picture.ppm")
     done = subprocess.run(
         [os.path.join(PROGRAMS, program), *options, "--size", str(SIZE), str(SIZE), "--rtcore", rtcore, "-o", path],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
     if done.returncode:
         raise SystemExit(f"FAILED: {program} --rtcore {rtcore}: {done.stdout}")
     with open(path, "rb") as file:
-        values = file.read()[-3 * SIZE * SIZE:]
+        values = file.read()[-3 * SIZE * SIZE :]
     os.remove(path)
     not_black = sum(1 for value in values if value) / (3 * SIZE * SIZE)
     if not_black < 0.05:
-        raise SystemExit(f"FAILED: {program} --rtcore {rtcore}: only {not_black:.3f} of the picture is not black: "
-                         "expected at least 0.05")
+        raise SystemExit(
+            f"FAILED: {program} --rtcore {rtcore}: only {not_black:.3f} of the picture is not black: "
+            "expected at least 0.05"
+        )
     return values, done.stdout
 
 
@@ -62,7 +68,7 @@ def grid_bytes(output):
 
 def compressed_bytes(output):
     """Memory of compressed surfaces and their tree, which Embree's allocator does not count."""
-    return 2 ** 20 * float(re.findall(r"compression: .* quads in ([0-9.]+) MiB", output)[-1])
+    return 2**20 * float(re.findall(r"compression: .* quads in ([0-9.]+) MiB", output)[-1])
 
 
 def require_compression(name, output):
@@ -92,21 +98,43 @@ def compare_paths(folder, name, level):
     brightness must stay within 1%."""
     samples = 16
     path = os.path.join(folder, name + ".xml")
-    camera = subprocess.run([DISPLACED_CAGE, name, str(level), path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                            text=True, check=True).stdout.split()
-    arguments = ["-i", path, *camera, "--ambientlight", "0.4", "0.5", "0.6", "--dirlight", "-0.5", "-1", "-0.6", "1.2",
-                 "1.1", "1"]
+    camera = subprocess.run(
+        [DISPLACED_CAGE, name, str(level), path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        check=True,
+    ).stdout.split()
+    arguments = [
+        "-i",
+        path,
+        *camera,
+        "--ambientlight",
+        "0.4",
+        "0.5",
+        "0.6",
+        "--dirlight",
+        "-0.5",
+        "-1",
+        "-0.6",
+        "1.2",
+        "1.1",
+        "1",
+    ]
     few, _ = draw(folder, "pathtracer", "verbose=2", *arguments, "--spp", str(samples // 2))
     grid, _ = draw(folder, "pathtracer", "verbose=2", *arguments, "--spp", str(samples))
-    ours, output = draw(folder, "pathtracer", "verbose=2,subdiv_accel=cbvh.leaf,cbvh_frame_level=0", *arguments,
-                        "--spp", str(samples))
+    ours, output = draw(
+        folder, "pathtracer", "verbose=2,subdiv_accel=cbvh.leaf,cbvh_frame_level=0", *arguments, "--spp", str(samples)
+    )
     require_compression(f"pathtracer, {name}", output)
     # The first half of the samples is the same in both pictures of GRID. Their difference therefore has the variance of
     # the picture with all samples.
     noise, d = difference(few, grid), difference(grid, ours)
     grid_mean, our_mean = mean_of_lit(grid), mean_of_lit(ours)
-    print(f"pathtracer, {name}: noise {noise:.2f}, cLEAF differs by {d:.2f} of 255; mean {grid_mean:.2f}, "
-          f"{our_mean:.2f}")
+    print(
+        f"pathtracer, {name}: noise {noise:.2f}, cLEAF differs by {d:.2f} of 255; mean {grid_mean:.2f}, "
+        f"{our_mean:.2f}"
+    )
     # If all paths differed, the pictures would differ by sqrt(2) times the noise.
     if d > 1.5 * noise:
         complain(f"pathtracer, {name}: differs by {d / noise:.2f} times the noise: expected at most 1.5")
@@ -123,18 +151,33 @@ def main():
         for model, limit in ("subdiv1", 5), ("subdiv7", 6):
             view = ["-i", os.path.join(MODELS, model + ".xml"), "--vp", "1.6", "1.5", "2.2", "--vi", "0", "0", "0"]
             compare(folder, "viewer", "leaf", limit, *view)
-            compare(folder, "viewer", "grid", 3, *view) # resampled: facets differ from GRID's
+            compare(folder, "viewer", "grid", 3, *view)  # resampled: facets differ from GRID's
         compare_paths(folder, "cube", 5)
         compare_paths(folder, "trex", 2)
         # The picture can be written, so only the setting can cause a failure.
         for setting, is_valid in ("cbvh.leaf", True), ("cbvh.leaves", False):
-            done = subprocess.run([os.path.join(PROGRAMS, "viewer"), *view, "--rtcore", "subdiv_accel=" + setting,
-                                   "--size", "32", "32", "-o", os.path.join(folder, "setting.ppm")],
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+            done = subprocess.run(
+                [
+                    os.path.join(PROGRAMS, "viewer"),
+                    *view,
+                    "--rtcore",
+                    "subdiv_accel=" + setting,
+                    "--size",
+                    "32",
+                    "32",
+                    "-o",
+                    os.path.join(folder, "setting.ppm"),
+                ],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                check=False,
+            )
             if (done.returncode == 0) != is_valid or (not is_valid and setting not in done.stdout):
                 expected = "status 0" if is_valid else "a failure that names the setting"
-                complain(f"viewer, subdiv_accel={setting}: status {done.returncode}, {done.stdout}: "
-                         f"expected {expected}")
+                complain(
+                    f"viewer, subdiv_accel={setting}: status {done.returncode}, {done.stdout}: " f"expected {expected}"
+                )
     print("passed" if not failures else f"{failures} failures")
     return int(failures != 0)
 

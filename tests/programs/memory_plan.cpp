@@ -13,31 +13,23 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 constexpr size_t quads = 1000000;
 
-std::string builtOf(const MemoryPlan& plan)
-{
+std::string builtOf(const MemoryPlan& plan) {
   std::string list;
-  for (const Representation& r : plan.built)
-    list += (list.empty() ? "" : ",") + r.fileStem();
+  for (const Representation& r : plan.built) list += (list.empty() ? "" : ",") + r.fileStem();
   return list;
 }
 
-MemoryPlan plan(const std::string& asked, size_t available)
-{
+MemoryPlan plan(const std::string& asked, size_t available) {
   return planMemory(parseRepresentations(asked, 2), quads, available);
 }
 
-size_t peak(RepresentationKind kind)
-{
-  return estimatedPeakBytes(kind, quads);
-}
+size_t peak(RepresentationKind kind) { return estimatedPeakBytes(kind, quads); }
 
-TEST(MemoryPlan, EverythingThatFitsIsBuiltGridFirst)
-{
+TEST(MemoryPlan, EverythingThatFitsIsBuiltGridFirst) {
   const MemoryPlan all = plan("cleaf,naive,grid,cvert", SIZE_MAX);
   EXPECT_EQ(builtOf(all), "grid,naive,cleaf2,cvert");
   EXPECT_TRUE(all.skipped.empty());
@@ -45,8 +37,7 @@ TEST(MemoryPlan, EverythingThatFitsIsBuiltGridFirst)
   EXPECT_EQ(builtOf(plan("cleaf", SIZE_MAX)), "cleaf2") << "only requested representations are built";
 }
 
-TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
-{
+TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes) {
   const size_t grid = peak(RepresentationKind::Grid), naive = peak(RepresentationKind::Naive),
                leaf = peak(RepresentationKind::CLeaf);
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive)), "grid,naive,cleaf2");
@@ -63,46 +54,37 @@ TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
   EXPECT_EQ(alone.skipped[1].rfind("NAIVE ", 0), 0u) << alone.skipped[1];
 }
 
-TEST(MemoryPlan, CompressedRepresentationThatDoesNotFitIsLeftOut)
-{
+TEST(MemoryPlan, CompressedRepresentationThatDoesNotFitIsLeftOut) {
   EXPECT_EQ(builtOf(plan("cgrid,cleaf", peak(RepresentationKind::CGrid) - 1)), "cleaf2");
 }
 
-TEST(MemoryPlan, TimeStepsRequireMoreMemory)
-{
-  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact,
-                                  RepresentationKind::Grid, RepresentationKind::CGrid, RepresentationKind::CLeaf,
-                                  RepresentationKind::CVert})
+TEST(MemoryPlan, TimeStepsRequireMoreMemory) {
+  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact, RepresentationKind::Grid,
+                                  RepresentationKind::CGrid, RepresentationKind::CLeaf, RepresentationKind::CVert})
     EXPECT_LT(estimatedPeakBytes(kind, {quads, 2}), estimatedPeakBytes(kind, {quads, 3})) << int(kind);
   EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}),
             estimatedPeakBytes(RepresentationKind::CVert, {quads, 2}))
-    << "moving surfaces use cVERT";
+      << "moving surfaces use cVERT";
   const std::vector<Representation> asked = parseRepresentations("grid,cvert", 2);
   const size_t still = peak(RepresentationKind::Grid) + peak(RepresentationKind::CVert);
   EXPECT_EQ(builtOf(planMemory(asked, {quads, 1}, still)), "grid,cvert");
   EXPECT_EQ(builtOf(planMemory(asked, {quads, 2}, still)), "cvert");
 }
 
-TEST(MemoryPlan, NoRepresentationThatFitsIsAnError)
-{
-  EXPECT_THROW(plan("grid,cleaf", 1000), Error);
-}
+TEST(MemoryPlan, NoRepresentationThatFitsIsAnError) { EXPECT_THROW(plan("grid,cleaf", 1000), Error); }
 
 /* A folder with the files from which Linux's memory is read. */
-class AvailableMemory : public testing::Test
-{
+class AvailableMemory : public testing::Test {
 protected:
   void SetUp() override { write("proc/meminfo", "MemTotal: 9000 kB\nMemAvailable:    4000 kB\n"); }
   ~AvailableMemory() override { std::filesystem::remove_all(root); }
 
-  void write(const std::string& name, const std::string& text) const
-  {
+  void write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories((root / name).parent_path());
     std::ofstream(root / name) << text;
   }
 
-  void writeGroup(const std::string& path, const std::string& limit, const std::string& used) const
-  {
+  void writeGroup(const std::string& path, const std::string& limit, const std::string& used) const {
     write("sys/fs/cgroup" + path + "/memory.max", limit + "\n");
     write("sys/fs/cgroup" + path + "/memory.current", used + "\n");
   }
@@ -110,11 +92,10 @@ protected:
   size_t kibibytes() const { return availableMemory(root.string()) / 1024; }
 
   const std::filesystem::path root =
-    std::filesystem::temp_directory_path() / ("cbvh-memory-" + std::to_string(getpid()));
+      std::filesystem::temp_directory_path() / ("cbvh-memory-" + std::to_string(getpid()));
 };
 
-TEST_F(AvailableMemory, WithoutALimitIsReadFromMeminfo)
-{
+TEST_F(AvailableMemory, WithoutALimitIsReadFromMeminfo) {
   EXPECT_EQ(kibibytes(), 4000u);
   write("proc/self/cgroup", "0::/\n");
   writeGroup("", "max", "1024");
@@ -123,8 +104,7 @@ TEST_F(AvailableMemory, WithoutALimitIsReadFromMeminfo)
   EXPECT_EQ(availableMemory(root.string()), SIZE_MAX);
 }
 
-TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed)
-{
+TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed) {
   write("proc/self/cgroup", "0::/\n");
   writeGroup("", "3072000", "2048000");
   EXPECT_EQ(kibibytes(), 1000u);
@@ -136,8 +116,7 @@ TEST_F(AvailableMemory, CachedFilesOfAGroupCanBeFreed)
   EXPECT_EQ(kibibytes(), 0u);
 }
 
-TEST_F(AvailableMemory, IsLimitedByEachEnclosingGroup)
-{
+TEST_F(AvailableMemory, IsLimitedByEachEnclosingGroup) {
   write("proc/self/cgroup", "1:name=systemd:/elsewhere\n0::/jobs/mine\n");
   writeGroup("/jobs", "1024000", "0");
   writeGroup("/jobs/mine", "2048000", "0");
@@ -146,8 +125,7 @@ TEST_F(AvailableMemory, IsLimitedByEachEnclosingGroup)
   EXPECT_EQ(kibibytes(), 500u);
 }
 
-TEST_F(AvailableMemory, IsLimitedByGroupsOfVersion1)
-{
+TEST_F(AvailableMemory, IsLimitedByGroupsOfVersion1) {
   write("proc/self/cgroup", "4:memory:/host/path\n0::/\n"); // the path outside of a container
   write("sys/fs/cgroup/memory/memory.limit_in_bytes", "2048000\n");
   write("sys/fs/cgroup/memory/memory.usage_in_bytes", "1024000\n");
@@ -157,5 +135,4 @@ TEST_F(AvailableMemory, IsLimitedByGroupsOfVersion1)
   EXPECT_EQ(kibibytes(), 4000u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -14,12 +14,12 @@ program=$render
 
 quick="--level 2 --size 32x24 --samples 1"
 out="--output $folder/out"
-printf 'P5\n4 4\n255\n0123456789abcdef' >"$folder/skin.pgm"
+printf 'P5\n4 4\n255\n0123456789abcdef' > "$folder/skin.pgm"
 cp "$folder/skin.pgm" "$folder/quad_cvert.png" # as the picture of the quad is called
-sums() { cksum "$folder/quad.obj" "$folder/skin.pgm" "$folder/quad_cvert.png" "$folder/cube.cbvh" 2>/dev/null; }
+sums() { cksum "$folder/quad.obj" "$folder/skin.pgm" "$folder/quad_cvert.png" "$folder/cube.cbvh" 2> /dev/null; }
 # shellcheck disable=SC2086
 run() {
-  timeout 100 "$program" $quick $out "$@" 2>"$folder/stderr" || complain "status $?: $* : $(cat "$folder/stderr")"
+  timeout 100 "$program" $quick $out "$@" 2> "$folder/stderr" || complain "status $?: $* : $(cat "$folder/stderr")"
 }
 is_json() { python3 -c 'import json, sys; json.load(open(sys.argv[1]))' "$1" || complain "no JSON: $1"; }
 is_about_a_pipe() { grep -q "invalid argument: .*fifo.cbvh: .*pipe" "$folder/stderr"; }
@@ -30,33 +30,33 @@ parts() { find "$folder" -name '*cbvh-part*' -o -name '.tmp-*'; }
 mkdir "$folder/store"
 ln -s store/numbers.json "$folder/link.json"
 for _ in 1 2; do # first without the file, then with it
-  run --scene cube --json "$folder/link.json" >/dev/null
+  run --scene cube --json "$folder/link.json" > /dev/null
   is_json "$folder/store/numbers.json"
   [ -L "$folder/link.json" ] || complain "the link is replaced"
 done
 chmod 604 "$folder/store/numbers.json"
-run --scene cube --json "$folder/link.json" >/dev/null
+run --scene cube --json "$folder/link.json" > /dev/null
 mode=$(stat -c %a "$folder/store/numbers.json")
 [ "$mode" = 604 ] || complain "other permissions: $mode"
 
 ln -s /dev/null "$folder/null"
-run --scene cube --json "$folder/null" --export /dev/null >/dev/null
+run --scene cube --json "$folder/null" --export /dev/null > /dev/null
 [ -L "$folder/null" ] && [ -c /dev/null ] || complain "a device is replaced"
-run --scene cube --json /dev/stdout >"$folder/both"
-python3 - "$folder/both" <<'PYTHON' || complain "no JSON on standard output"
+run --scene cube --json /dev/stdout > "$folder/both"
+python3 - "$folder/both" << 'PYTHON' || complain "no JSON on standard output"
 import json, sys
 text = open(sys.argv[1]).read()
 json.JSONDecoder().raw_decode(text, text.index("{\n"))
 PYTHON
 grep -q "cube_cvert.png" "$folder/both" || complain "the JSON replaced the table: $(cat "$folder/both")"
-run --scene cube --json >(cat >"$folder/substituted") --export >(cat >"$folder/exported") >/dev/null
+run --scene cube --json >(cat > "$folder/substituted") --export >(cat > "$folder/exported") > /dev/null
 wait
 sleep 1
 is_json "$folder/substituted"
 grep -q "^f " "$folder/exported" || complain "no mesh through a pipe"
 mkfifo "$folder/fifo"
-cat "$folder/fifo" >"$folder/from_fifo" &
-run --scene cube --json "$folder/fifo" >/dev/null
+cat "$folder/fifo" > "$folder/from_fifo" &
+run --scene cube --json "$folder/fifo" > /dev/null
 wait
 is_json "$folder/from_fifo"
 [ -p "$folder/fifo" ] || complain "a FIFO is replaced"
@@ -68,33 +68,33 @@ done
 # A name that is not UTF-8 is readable JSON.
 for name in $'caf\351.obj' $'quad\xff.obj'; do
   cp "$folder/quad.obj" "$folder/$name"
-  run "$folder/$name" --json "$folder/byte.json" >/dev/null
+  run "$folder/$name" --json "$folder/byte.json" > /dev/null
   is_json "$folder/byte.json"
 done
-run --scene cube --save "$folder"/$'cube\xff.cbvh' >/dev/null
-"$program" "$folder"/$'cube\xff.cbvh' --size 32x24 --output "$folder/out" --json "$folder/byte2.json" >/dev/null 2>&1
+run --scene cube --save "$folder"/$'cube\xff.cbvh' > /dev/null
+"$program" "$folder"/$'cube\xff.cbvh' --size 32x24 --output "$folder/out" --json "$folder/byte2.json" > /dev/null 2>&1
 is_json "$folder/byte2.json"
 "$bench" --scene cube --level 2 --representation grid --repeat 0 --size 16x16 --json "$folder"/$'byte\xff.json' \
-  >/dev/null 2>&1
+  > /dev/null 2>&1
 is_json "$folder"/$'byte\xff.json'
 
 # Reading a FIFO must not block.
 mv "$folder/fifo" "$folder/fifo.cbvh"
 for arguments in "--load $folder/fifo.cbvh" "$folder/fifo.cbvh"; do
   # shellcheck disable=SC2086
-  timeout 30 "$program" $out $arguments >/dev/null 2>"$folder/stderr"
+  timeout 30 "$program" $out $arguments > /dev/null 2> "$folder/stderr"
   [ $? = 1 ] || complain "reading a FIFO blocks: $arguments"
   is_about_a_pipe || complain "no message about a FIFO: $(cat "$folder/stderr")"
 done
 if [ -n "$viewer" ]; then
-  timeout 30 "$viewer" "$folder/fifo.cbvh" --no-window --output "$folder/none.png" >/dev/null 2>"$folder/stderr"
+  timeout 30 "$viewer" "$folder/fifo.cbvh" --no-window --output "$folder/none.png" > /dev/null 2> "$folder/stderr"
   [ $? = 1 ] && is_about_a_pipe || complain "the viewer blocks on a FIFO: $(cat "$folder/stderr")"
 fi
 rm "$folder/fifo.cbvh"
 
 # --- inputs --------------------------------------------------------------------------------
 
-run --scene cube --save "$folder/cube.cbvh" >/dev/null
+run --scene cube --save "$folder/cube.cbvh" > /dev/null
 ln -s quad.obj "$folder/cage"
 before=$(sums)
 model="--cage $folder/quad.obj --height $folder/skin.pgm"
@@ -163,7 +163,10 @@ expect_limit() {
   mkdir "$folder/limited"
   # shellcheck disable=SC2086
   # the limit does not apply to cat
-  (ulimit -f "$limit"; exec "$program" $quick "$@" 2>&1 >/dev/null) | cat >"$folder/stderr"
+  (
+    ulimit -f "$limit"
+    exec "$program" $quick "$@" 2>&1 > /dev/null
+  ) | cat > "$folder/stderr"
   local status=${PIPESTATUS[0]}
   [ $status = 1 ] || complain "status $status for a limit of $limit KiB: $*: $(cat "$folder/stderr")"
   [ "$(grep -vc '^  ' "$folder/stderr")" = 1 ] && grep -q "File too large" "$folder/stderr" ||
@@ -182,7 +185,7 @@ expect_limit 4 --scene herd --count 2 --output "$folder/out" --save "$folder/lim
 
 if [ -n "$pathtracer" ]; then
   "$pathtracer" --scene cube --level 1 --size 16x16 --samples 1 --device cpu --output "$folder/path.png" \
-    >/dev/full 2>"$folder/stderr"
+    > /dev/full 2> "$folder/stderr"
   [ $? = 1 ] && grep -q "standard output .*No space left" "$folder/stderr" ||
     complain "no message about a full disk: $(cat "$folder/stderr")"
 fi

@@ -43,7 +43,7 @@ refuses "^cbvh_pathtracer: .*window.*--window" --scene cube --window
 # On the CPU, which every machine supports.
 for output in picture.exr picture.png; do
   "$program" --scene cube --level 2 --size 65x47 --samples 2 --bounces 1 --device cpu --output "$folder/$output" \
-    >"$folder/stdout" 2>"$folder/stderr" || complain "$output: $(cat "$folder/stderr")"
+    > "$folder/stdout" 2> "$folder/stderr" || complain "$output: $(cat "$folder/stderr")"
   [ -s "$folder/$output" ] || complain "no $output"
 done
 grep -q "2 samples of 65 x 47 pixels" "$folder/stdout" || complain "says '$(cat "$folder/stdout")'"
@@ -51,14 +51,14 @@ grep -q "2 samples of 65 x 47 pixels" "$folder/stdout" || complain "says '$(cat 
 
 # Labels do not name what the library builds for motion.
 "$program" --scene cube --motion turn --level 2 --size 16x16 --samples 1 --device cpu --representation cvoxel \
-  --output "$folder/moving.png" >/dev/null 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+  --output "$folder/moving.png" > /dev/null 2> "$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
 grep -q "^cbvh_pathtracer: warning: cvoxel .*cVERT" "$folder/stderr" ||
   complain "no warning about blocks with frames: $(cat "$folder/stderr")"
 
 # One thread and two threads must give the same picture.
 for threads in 1 2; do
   "$program" --scene cube --level 3 --size 64x64 --samples 2 --device cpu --threads $threads \
-    --output "$folder/threads$threads.png" >/dev/null 2>&1
+    --output "$folder/threads$threads.png" > /dev/null 2>&1
 done
 cmp "$folder/threads1.png" "$folder/threads2.png" || complain "threads change the picture"
 

@@ -19,19 +19,31 @@ refuses() {
   rm -rf "$folder/out"
   [[ "$*" == *--output* ]] || set -- "$@" --output "$folder/out"
   expect_refusal "$pattern" "$@"
-  [ -z "$(ls -A "$folder/out" 2>/dev/null)" ] || complain "files were written: $*"
+  [ -z "$(ls -A "$folder/out" 2> /dev/null)" ] || complain "files were written: $*"
 }
 
-sed 's/^f.*/f 1 2/' "$folder/quad.obj" >"$folder/two.obj"
-sed 's/^f.*/f 1 2 3 7/' "$folder/quad.obj" >"$folder/range.obj"
-sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" >"$folder/edge.obj"
-{ for i in $(seq 17); do echo "v $i $((i * i)) 0"; done; echo "f $(seq -s ' ' 17)"; } >"$folder/ring.obj"
-: >"$folder/empty.obj"
-{ cat "$folder/quad.obj"; echo "t hole 1/0/0 0"; } >"$folder/hole.obj"
-{ sed '/^f/d' "$folder/quad.obj"; echo "v 2 0 0"; echo "v 2 1 0"; echo "f 1 2 3 4"; echo "f 2 5 6 3"; } \
-  >"$folder/two_quads.obj"
-echo "no image" >"$folder/text.png"
-printf '\x76\x2f\x31\x01\x02\x00\x00\x00' >"$folder/short.exr"
+sed 's/^f.*/f 1 2/' "$folder/quad.obj" > "$folder/two.obj"
+sed 's/^f.*/f 1 2 3 7/' "$folder/quad.obj" > "$folder/range.obj"
+sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" > "$folder/edge.obj"
+{
+  for i in $(seq 17); do echo "v $i $((i * i)) 0"; done
+  echo "f $(seq -s ' ' 17)"
+} > "$folder/ring.obj"
+: > "$folder/empty.obj"
+{
+  cat "$folder/quad.obj"
+  echo "t hole 1/0/0 0"
+} > "$folder/hole.obj"
+{
+  sed '/^f/d' "$folder/quad.obj"
+  echo "v 2 0 0"
+  echo "v 2 1 0"
+  echo "f 1 2 3 4"
+  echo "f 2 5 6 3"
+} \
+  > "$folder/two_quads.obj"
+echo "no image" > "$folder/text.png"
+printf '\x76\x2f\x31\x01\x02\x00\x00\x00' > "$folder/short.exr"
 
 refuses "two.obj:9: .*face.* three .* 2" --cage "$folder/two.obj"
 refuses "range.obj:9: vertex index 7 .* 4 " --cage "$folder/range.obj"
@@ -42,11 +54,11 @@ refuses "missing.obj: " --cage "$folder/missing.obj"
 refuses "missing.exr: " --cage "$folder/quad.obj" --height "$folder/missing.exr"
 refuses "text.png: .*read" --cage "$folder/quad.obj" --height "$folder/text.png"
 refuses "short.exr: .*read" --cage "$folder/quad.obj" --height "$folder/short.exr"
-printf 'Ptex' >"$folder/map.ptx"
+printf 'Ptex' > "$folder/map.ptx"
 refuses "map.ptx: .*Ptex" --cage "$folder/quad.obj" --height "$folder/map.ptx"
-if command -v oiiotool >/dev/null; then
+if command -v oiiotool > /dev/null; then
   oiiotool --pattern noise:type=uniform 64x64 1 -d uint16 -o "$folder/whole.png"
-  head -c $(($(stat -c %s "$folder/whole.png") / 2)) "$folder/whole.png" >"$folder/half.png"
+  head -c $(($(stat -c %s "$folder/whole.png") / 2)) "$folder/whole.png" > "$folder/half.png"
   refuses "half.png: .*read" --cage "$folder/quad.obj" --height "$folder/half.png"
 fi
 refuses "representation 'mesh'.*naive, naive-compact, grid" --scene cube --representation grid,mesh
@@ -119,12 +131,12 @@ run() {
   local name=$1
   shift
   "$program" --level 3 --size 64x48 --rays 2000 --repeat 1 --output "$folder/$name.out" "$@" \
-    >"$folder/$name" 2>"$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
+    > "$folder/$name" 2> "$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
 }
 run_file() { # a file has a fixed level
   local name=$1
   shift
-  "$program" --size 64x48 --output "$folder/$name.out" "$@" >"$folder/$name" 2>"$folder/$name.err" ||
+  "$program" --size 64x48 --output "$folder/$name.out" "$@" > "$folder/$name" 2> "$folder/$name.err" ||
     complain "$name: $(cat "$folder/$name.err")"
 }
 expect_rows() {
@@ -152,7 +164,7 @@ expect_rows good "bytes per quad" "quads stored as cVERT, %.* [0-9.]* |     *- |
 [ "$(rows good)" -le 11 ] || complain "$(rows good) rows"
 grep -q "^  $out/cube_{.*}.png: shaded" "$folder/good" || complain "no message about where the pictures are"
 grep -q '"bytes_per_quad"' "$folder/numbers.json" || complain "no numbers in the JSON"
-if command -v iinfo >/dev/null; then
+if command -v iinfo > /dev/null; then
   for channel in P.X P.Y P.Z Z N.X N.Y N.Z u v primID; do
     iinfo -v "$out/cube_grid.exr" | grep "channel list" | grep -q "\b$channel\b" || complain "no channel $channel"
   done
@@ -176,7 +188,7 @@ grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent ra
 for key in speed incoherent mrays_per_second picture_seconds; do
   grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
 done
-"$program" --load "$folder/cube.cbvh" --size 64x1 --output "$folder/row.out" >/dev/null 2>"$folder/stderr" ||
+"$program" --load "$folder/cube.cbvh" --size 64x1 --output "$folder/row.out" > /dev/null 2> "$folder/stderr" ||
   complain "a file in a single row of pixels: $(cat "$folder/stderr")"
 run_file loaded_up --load "$folder/cube.cbvh" --up z
 run_file loaded_full --load "$folder/cube.cbvh"
@@ -251,7 +263,7 @@ fi
 
 # A cage that moves to another one: at the end of the shutter the picture equals the other's, and in between it is
 # blurred.
-sed 's/^v \([01]\) \(.*\)/v \1.5 \2/' "$folder/quad.obj" >"$folder/end.obj"
+sed 's/^v \([01]\) \(.*\)/v \1.5 \2/' "$folder/quad.obj" > "$folder/end.obj"
 view=(--view 0.9,0.5,4,0.9,0.5,0,40 --representation cvert)
 run at_end --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 1,1 "${view[@]}"
 run of_end --cage "$folder/end.obj" "${view[@]}"
@@ -263,7 +275,7 @@ refuses "shutter '2,3'.* 0 to 1" --cage "$folder/quad.obj" --cage-end "$folder/e
 refuses "end.obj" --cage "$folder/two_quads.obj" --cage-end "$folder/end.obj"
 
 # A cage that is clearly z up stands upright automatically, with a message. A cage with y up remains unchanged.
-cat >"$folder/tower.obj" <<OBJ
+cat > "$folder/tower.obj" << OBJ
 v -1 -1 0
 v 1 -1 0
 v 1 1 0
@@ -304,7 +316,7 @@ run frames --scene cube --representation cleaf^0,cleaf --json "$folder/frames.js
 # Without a level, quads have the requested size. --compare and --representation with several entries use level 6.
 for quad in 4 16; do
   "$program" --scene cube --size 64x48 --quad-size $quad --json "$folder/quad$quad.json" --output "$folder/quad$quad" \
-    >"$folder/quad$quad.txt" 2>&1 ||
+    > "$folder/quad$quad.txt" 2>&1 ||
     complain "--quad-size $quad: $(cat "$folder/quad$quad.txt")"
   grep -q "level auto" "$folder/quad$quad.txt" || complain "the level is not auto: $(cat "$folder/quad$quad.txt")"
 done
@@ -314,7 +326,7 @@ quads() { grep -o '"quads": [0-9]*' "$folder/$1.json" | tail -1 | grep -o '[0-9]
   grep -q "level 6" || complain "comparisons do not use level 6"
 
 # A separate mode colors back faces magenta.
-sed 's/^f.*/f 4\/4 3\/3 2\/2 1\/1/' "$folder/quad.obj" >"$folder/back.obj"
+sed 's/^f.*/f 4\/4 3\/3 2\/2 1\/1/' "$folder/quad.obj" > "$folder/back.obj"
 for colors in neutral sides; do
   for side in quad back; do
     run "${side}_$colors" --cage "$folder/$side.obj" --representation grid --colors $colors \
@@ -341,9 +353,9 @@ for scene in cube frog; do
     complain "$scene differs as a mesh"
 done
 awk '$1 == "f" { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" \
-  >"$folder/triangles.obj"
+  > "$folder/triangles.obj"
 awk '$1 == "f" && NR % 2 { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" \
-  >"$folder/both.obj"
+  > "$folder/both.obj"
 for mesh in triangles both; do
   run $mesh --mesh "$folder/$mesh.obj" --compare --view 3,2,4,0,0,0,35
   grep -q "^| false hits + misses *| *- *| *0 + 0 *| *0 + 0 *|" "$folder/$mesh" ||
@@ -351,15 +363,18 @@ for mesh in triangles both; do
 done
 cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" ||
   complain "triangles differ from quads"
-{ cat "$folder/cube.obj"; echo "t hole 1/0/0 7"; } >"$folder/hole.obj"
+{
+  cat "$folder/cube.obj"
+  echo "t hole 1/0/0 7"
+} > "$folder/hole.obj"
 run hole --mesh "$folder/hole.obj" --compare
 faces=$(grep -c "^f" "$folder/cube.obj")
 grep -q "^hole: $((faces - 1)) faces" "$folder/hole" || complain "a hole has faces: $(cat "$folder/hole")"
 run plain --mesh "$folder/quad.obj"
 grep -q "^| bytes per quad *| *[1-9]" "$folder/plain" ||
   complain "a mesh of one quad is not stored: $(cat "$folder/plain" "$folder/plain.err")"
-for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done >"$folder/five.obj"
-echo "f 1 2 3 4 5" >>"$folder/five.obj"
+for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done > "$folder/five.obj"
+echo "f 1 2 3 4 5" >> "$folder/five.obj"
 refuses "five.obj: face 1 .* 5 " --mesh "$folder/five.obj"
 refuses "scene .*--cage .*--mesh " --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
@@ -375,7 +390,7 @@ expect_refusal "mesh.* cLEAF.*grid.*cvert" --mesh "$folder/quad.obj" --represent
 # Standard output that cannot be written.
 for arguments in --help "--scene cube --level 1 --size 16x16 --representation grid --output $folder/full"; do
   # shellcheck disable=SC2086
-  "$program" $arguments >/dev/full 2>"$folder/stderr" && complain "status 0 on a full disk: $arguments"
+  "$program" $arguments > /dev/full 2> "$folder/stderr" && complain "status 0 on a full disk: $arguments"
   grep -q "standard output .*No space left" "$folder/stderr" || complain "no message about a full disk: $arguments"
 done
 

@@ -19,7 +19,7 @@ crops=(0,0,30,20 30,0,61,20 0,20,30,47 30,20,61,47)
 render() {
   local name=$1
   shift
-  "$program" "${picture[@]}" --output "$folder/$name" "$@" >"$folder/$name.txt" 2>&1 ||
+  "$program" "${picture[@]}" --output "$folder/$name" "$@" > "$folder/$name.txt" 2>&1 ||
     complain "$name: $(cat "$folder/$name.txt")"
 }
 
@@ -36,7 +36,7 @@ for scene in "${scenes[@]}"; do
 done
 
 # The same for a file, which many machines can share.
-"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 ||
+"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" > /dev/null 2>&1 ||
   complain "--save"
 render loaded --load "$folder/cube.cbvh"
 for crop in "${crops[@]}"; do
@@ -46,10 +46,10 @@ done
   complain "parts of a loaded file differ from the whole picture"
 
 # The command of docs/scale.md for joining parts.
-if command -v oiiotool >/dev/null; then
+if command -v oiiotool > /dev/null; then
   oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&
-    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" ||
-      complain "oiiotool: $(cat "$folder/diff.txt")"
+    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" > "$folder/diff.txt" ||
+    complain "oiiotool: $(cat "$folder/diff.txt")"
 fi
 
 for wrong in 0,0,30 0,0,30,20,1 0,0,30,x 0.5,0,30,20; do
@@ -62,6 +62,6 @@ for outside in 0,0,62,20 0,0,61,48 -1,0,30,20 61,0,62,1; do
   expect_refusal "crop '$outside'.*61x47" --scene cube "${picture[@]}" "--crop=$outside" --output "$folder/none"
 done
 expect_refusal "crop .*--speed" --scene cube "${picture[@]}" --crop 0,0,30,20 --compare --output "$folder/none"
-[ -z "$(ls -A "$folder/none" 2>/dev/null)" ] || complain "files were written"
+[ -z "$(ls -A "$folder/none" 2> /dev/null)" ] || complain "files were written"
 
 finish

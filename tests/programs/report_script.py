@@ -27,6 +27,7 @@ sys.path.insert(0, str(SCRIPT.parent))
 import bench_records  # noqa: E402
 import pandas  # noqa: E402
 import report  # noqa: E402
+
 from reporting import (  # noqa: E402
     checks, contents, errors, figures, formats, gpu, levels, memory, noise, pages, paper, relations, scale,
     summary, tradeoffs,
@@ -139,6 +140,7 @@ def cells(parts):
 
 def texts(parts):
     return " ".join(part for part in parts if isinstance(part, str))
+
 
 # Today's name of a member, and the one that earlier programs wrote.
 FORMER_NAMES = """fallback_quads exact_quads, fallback_quads_share exact_quads_share, header_bytes frame_bytes,
@@ -304,8 +306,9 @@ class Report(unittest.TestCase):
         first = summary.first_screen(data)
         self.assertEqual((first["row"].scene, first["row"].level, first["row"]["view"]), ("trex", 6, "full"))
         ranges = [over for *_, over in first["statements"]]
-        self.assertEqual(ranges,
-                         ["5.00 to 20.0 times smaller", "0.12 to 1.50 times GRID's speed", "0.1250 to 0.5000 pixels"])
+        self.assertEqual(
+            ranges, ["5.00 to 20.0 times smaller", "0.12 to 1.50 times GRID's speed", "0.1250 to 0.5000 pixels"]
+        )
         rows = first["places"].rows
         self.assertIn(["frog", "6", "full", "5.00", "1.50", "1.50", "0.5000"], rows)
         self.assertIn(["trex", "6", "close", "20.0", "0.12", "0.12", "0.1250"], rows)
@@ -325,8 +328,11 @@ class Report(unittest.TestCase):
             self.assertNotIn("RMSE", bodies[name], name)
         self.assertIn("p99", bodies["errors"])
         self.assertIn("RMSE", bodies["relations"])
-        heads = [line for line in output.with_name("tables.md").read_text().split("\n") if "RMSE" in line
-                 and line.startswith("| level")]
+        heads = [
+            line
+            for line in output.with_name("tables.md").read_text().split("\n")
+            if "RMSE" in line and line.startswith("| level")
+        ]
         self.assertTrue(heads and all(line.count("RMSE") == line.count("the paper's RMSE") for line in heads), heads)
         shown = cells(errors.section(self.data())[0])
         for view in self.results()["cLEAF^2"]["views"]:
@@ -348,8 +354,10 @@ class Report(unittest.TestCase):
         self.assertEqual(self.run_without_charts(self.records).returncode, 0)
         lines = (self.records / "tables.md").read_text().split("\n")
         lines = [line.split(" | ") for line in lines if line.startswith("| 6 | cLEAF")]
-        self.assertIn((percent + "%", "-"),
-                      [(a[4], b[4]) for a in lines for b in lines if (a[1], b[1]) == ("cLEAF^2", "cLEAF-only^2")])
+        self.assertIn(
+            (percent + "%", "-"),
+            [(a[4], b[4]) for a in lines for b in lines if (a[1], b[1]) == ("cLEAF^2", "cLEAF-only^2")],
+        )
 
     def test_leaves_only_of_old_records_is_renamed(self):
         folder = Path(self.temporary.name) / "old"
@@ -359,8 +367,10 @@ class Report(unittest.TestCase):
         for group in record["groups"]:
             group["results"] = [r for r in group["results"] if r["kind"] != "cLEAF-only"]
         (folder / "cube_L2-6.json").write_text(json.dumps(record))
-        found = {(r["representation"], r["kind"])
-                 for r in bench_records.read(folder / "cube_L2-6.json")["groups"][0]["results"]}
+        found = {
+            (r["representation"], r["kind"])
+            for r in bench_records.read(folder / "cube_L2-6.json")["groups"][0]["results"]
+        }
         self.assertIn(("cLEAF-only^2", "cLEAF-only"), found)
         self.assertNotIn("cLEAF", {kind for _, kind in found})
 
@@ -394,9 +404,18 @@ class Report(unittest.TestCase):
         (folder / "cube_L2-6.json").write_text(json.dumps(record))
         (table,) = [part for part in checks.section(self.data(folder))[0] if part.title.startswith("Shadows")]
         rates = {head: row for head, row in zip(table.heads, table.rows[0])}
-        self.assertEqual({head: rates[head] for head in (*checks.ERROR_RATES, "rays flipped")},
-                         {"wrong": "4.000", "dark": "3.000", "bright": "1.000", "same hit": "8.000",
-                          "flipped": "250.000", "control": "0.000", "rays flipped": "16.000"})
+        self.assertEqual(
+            {head: rates[head] for head in (*checks.ERROR_RATES, "rays flipped")},
+            {
+                "wrong": "4.000",
+                "dark": "3.000",
+                "bright": "1.000",
+                "same hit": "8.000",
+                "flipped": "250.000",
+                "control": "0.000",
+                "rays flipped": "16.000",
+            },
+        )
 
     def test_dark_pages_invert_charts(self):
         chart = figures.chart("x", 3, lambda axes: axes.set_title("x"))
@@ -457,10 +476,12 @@ class Report(unittest.TestCase):
         data = self.data(other_machines=[folder])
         self.assertEqual((data.isa, len(data.here)), (before.isa, len(before.here)), "other sections must not show it")
         parts, _ = levels.isas(data)
-        (table,) = [part for part in parts if isinstance(part, formats.Table)
-                    and part.title == "cube, level 6, coherent"]
-        self.assertEqual(table.heads[-2:],
-                         ["avx512, Processor elsewhere: Mrays/s", "avx512, Processor elsewhere: of GRID"])
+        (table,) = [
+            part for part in parts if isinstance(part, formats.Table) and part.title == "cube, level 6, coherent"
+        ]
+        self.assertEqual(
+            table.heads[-2:], ["avx512, Processor elsewhere: Mrays/s", "avx512, Processor elsewhere: of GRID"]
+        )
         self.assertEqual({len(row) for row in table.rows}, {1 + 2 * 2})
         self.assertNotIn("-", [cell for row in table.rows for cell in row])
         output = Path(self.temporary.name) / "other_machine.html"
@@ -502,8 +523,9 @@ class Report(unittest.TestCase):
     def test_csv_contains_every_measurement(self):
         self.assertEqual(self.run_without_charts(self.records, "--csv", self.records / "all.csv").returncode, 0)
         table = pandas.read_csv(self.records / "all.csv")
-        speeds = [speed for group in self.record()["groups"] for result in group["results"]
-                  for speed in result["speed"]]
+        speeds = [
+            speed for group in self.record()["groups"] for result in group["results"] for speed in result["speed"]
+        ]
         self.assertEqual((table.what == "speed").sum(), len(speeds))
         ours = table[(table.representation == "cLEAF^2") & (table.level == 6)]
         ours = ours[(ours["view"] == "full") & (ours.ray_set == "coherent")]
@@ -512,8 +534,12 @@ class Report(unittest.TestCase):
         self.assertAlmostEqual(ours.mrays_per_second_median.item(), speed["mrays_per_second"]["median"])
         self.assertAlmostEqual(ours.errors_p99_pixels.item(), view["errors"]["p99_pixels"])
         self.assertEqual(ours.memory_live_bytes.item(), self.results()["cLEAF^2"]["memory"]["live_bytes"])
-        shadows = [shadow for group in self.record()["groups"] for result in group["results"]
-                   for shadow in result.get("shadows", [])]
+        shadows = [
+            shadow
+            for group in self.record()["groups"]
+            for result in group["results"]
+            for shadow in result.get("shadows", [])
+        ]
         self.assertEqual(len(table[table.what == "shadow"]), len(shadows))
         self.assertTrue(len(shadows) and table.leaks_rays.notna().any())
         self.assertNotIn(str(self.records), (self.records / "all.csv").read_text())
@@ -523,15 +549,18 @@ class Report(unittest.TestCase):
         (code,) = re.findall(r"^    import pandas\n(?:    .*\n)+", page, re.MULTILINE)
         self.assertLessEqual(code.count("\n"), 4)
         self.assertEqual(self.run_without_charts(self.records).returncode, 0)
-        code = re.sub(r"^    ", "", code, flags=re.MULTILINE).replace("output/benchmark/paper/records.csv",
-                                                                      str(self.records / "records.csv"))
+        code = re.sub(r"^    ", "", code, flags=re.MULTILINE).replace(
+            "output/benchmark/paper/records.csv", str(self.records / "records.csv")
+        )
         found = {}
         exec(code, found)
         self.assertGreater(len(found["table"]), 5)
 
     def test_scale_is_shown_if_measured(self):
-        speed = {ray_set: {"closest": {"mrays_per_second": rays}}
-                 for ray_set, rays in (("coherent", 1.5), ("incoherent", 0.75))}
+        speed = {
+            ray_set: {"closest": {"mrays_per_second": rays}}
+            for ray_set, rays in (("coherent", 1.5), ("incoherent", 0.75))
+        }
         opened = {"open_seconds": 0.25, "picture_seconds": 40, "quads": 2 * 10**9, "speed": speed}
         herd = {
             "count": 62, "level": "6", "quads": 2 * 10**9, "file_bytes": 5 * 2**30,
@@ -553,8 +582,9 @@ class Report(unittest.TestCase):
         folder = Path(self.temporary.name) / "scale"
         folder.mkdir()
         (folder / scale.RECORD).write_text(json.dumps({"date": "2026-01-01", "herd": herd, "levels": [level]}))
-        text = "\n".join(part if isinstance(part, str) else part.markdown()
-                         for part in scale.tables(scale.read(folder)))
+        text = "\n".join(
+            part if isinstance(part, str) else part.markdown() for part in scale.tables(scale.read(folder))
+        )
         for found in ("20.0 million quads per second", "74.5 GiB, computed from 40.0 bytes per quad",
                       "interrupted at 1.0 GiB and killed at 3.0 GiB",
                       "0.34 billion", "| trex, full | auto | 1.00 | 4.0 |"):  # fmt: skip
@@ -617,6 +647,7 @@ class Report(unittest.TestCase):
     def test_means_over_levels_need_all_levels(self):
         """A relation over levels 4 to 6, both ray sets."""
         claims = "speed of cVOXEL|speed of cLEAF-only|is slower than"
+
         def judged(levels, change=lambda result: None):
             record = self.record()
             group = next(group for group in record["groups"] if group["level"] == 6)
@@ -627,8 +658,10 @@ class Report(unittest.TestCase):
             record["groups"] = [{**group, "level": level} for level in levels]
             folder = self.folder_of(f"levels {levels} {change.__name__}", trex=record)
             return [r.holds is not None for r in relations.relations(self.data(folder)) if re.search(claims, r.claim)]
+
         def without_incoherent(result):
             result["speed"] = [speed for speed in result["speed"] if speed["ray_set"] != "incoherent"]
+
         self.assertEqual(judged([4, 5, 6]), [True] * 3)
         for levels in ([6], [4, 6], [5, 6, 7]):
             self.assertFalse(any(judged(levels)), levels)
@@ -949,8 +982,18 @@ class Report(unittest.TestCase):
 
     def test_real_device_is_reported(self):
         folder = Path(self.temporary.name) / "real"
-        words = ["--scene", "cube", "--level", "2", "--representation", "grid,cvoxel", "--device", "vulkan", "--size",
-                 "32x32"]
+        words = [
+            "--scene",
+            "cube",
+            "--level",
+            "2",
+            "--representation",
+            "grid,cvoxel",
+            "--device",
+            "vulkan",
+            "--size",
+            "32x32",
+        ]
         words += ["--query", "closest,any", "--rays", "0", "--repeat", "2", "--true-surface", "0", "--check", "leaks"]
         words += ["--check-rays", "1000", "--json", folder / "gpu_cube_L2.json"]
         done = subprocess.run([BENCH, *words], capture_output=True, text=True)

@@ -26,49 +26,42 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-struct Picture
-{
+struct Picture {
   int width = 0, height = 0;
   std::vector<float> values;
 
   float at(int x, int y) const { return values.at(size_t(y) * size_t(width) + size_t(x)); }
 };
 
-class Terrain : public testing::Test
-{
+class Terrain : public testing::Test {
 protected:
-  Terrain()
-  {
+  Terrain() {
     char name[] = "/tmp/cbvh-terrain-XXXXXX";
     folder = mkdtemp(name);
   }
   ~Terrain() { std::filesystem::remove_all(folder); }
 
   template<typename T>
-  std::string write(OIIO::TypeDesc type, int width, int height, const std::function<double(int x, int y)>& heightAt)
-  {
+  std::string write(OIIO::TypeDesc type, int width, int height, const std::function<double(int x, int y)>& heightAt) {
     std::vector<T> samples;
     for (int y = 0; y < height; y++)
-      for (int x = 0; x < width; x++)
-        samples.push_back(T(heightAt(x, y)));
+      for (int x = 0; x < width; x++) samples.push_back(T(heightAt(x, y)));
     const std::string path = folder + "/raster" + std::to_string(files++) + ".tif";
     writeImageFile(path, OIIO::ImageSpec(width, height, 1, type), type, samples.data());
     return path;
   }
 
   /* Runs the program and returns its output as floats. */
-  Picture run(const std::string& arguments, const std::string& extension = ".tif")
-  {
+  Picture run(const std::string& arguments, const std::string& extension = ".tif") {
     const std::string path = folder + "/factors" + std::to_string(files++) + extension;
     const std::string command = std::string(PROGRAM) + " " + arguments + " --output " + path;
     Picture picture;
-    EXPECT_EQ(std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str()), 0) << command
-        << "\n" << textOf("/stderr");
-    if (const auto input = OIIO::ImageInput::open(path))
-    {
+    EXPECT_EQ(std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str()), 0)
+        << command << "\n"
+        << textOf("/stderr");
+    if (const auto input = OIIO::ImageInput::open(path)) {
       isFloat = input->spec().format == OIIO::TypeDesc::FLOAT;
       picture.width = input->spec().width;
       picture.height = input->spec().height;
@@ -78,16 +71,15 @@ protected:
     return picture;
   }
 
-  std::string textOf(const std::string& name)
-  {
+  std::string textOf(const std::string& name) {
     std::ifstream file(folder + name);
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
-  void expectRefusal(const std::string& arguments, const std::vector<std::string>& parts)
-  {
-    const int status = std::system((std::string(PROGRAM) + " " + arguments + " --output " + folder
-        + "/none.tif >/dev/null 2>" + folder + "/stderr").c_str());
+  void expectRefusal(const std::string& arguments, const std::vector<std::string>& parts) {
+    const int status = std::system((std::string(PROGRAM) + " " + arguments + " --output " + folder +
+                                    "/none.tif >/dev/null 2>" + folder + "/stderr")
+                                       .c_str());
     EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
     EXPECT_TRUE(test::containsInOrder(textOf("/stderr"), parts));
   }
@@ -97,48 +89,39 @@ protected:
   bool isFloat = false;
 };
 
-double hills(int x, int y)
-{
+double hills(int x, int y) {
   const double large = 40 * std::sin(0.11 * x + 0.03 * y) * std::cos(0.07 * y);
   return large + 9 * std::sin(0.7 * x) * std::sin(0.5 * y + 0.2 * x);
 }
 
-TEST_F(Terrain, SamplesOfPgmAreHeightsWhateverTheMaximum)
-{
+TEST_F(Terrain, SamplesOfPgmAreHeightsWhateverTheMaximum) {
   const auto heightAt = [](int x, int y) { return 2000 + std::lround(20 * hills(x, y)); };
   const Picture expected = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 60, 50, heightAt));
-  for (int most : {4095, 60000, 65535})
-  {
+  for (int most : {4095, 60000, 65535}) {
     const std::string path = folder + "/raster.pgm";
     std::ofstream file(path, std::ios::binary);
     file << "P5\n60 50\n" << most << "\n";
-    for (int i = 0; i < 60 * 50; i++)
-      file << char(heightAt(i % 60, i / 60) >> 8) << char(heightAt(i % 60, i / 60));
+    for (int i = 0; i < 60 * 50; i++) file << char(heightAt(i % 60, i / 60) >> 8) << char(heightAt(i % 60, i / 60));
     file.close();
     EXPECT_EQ(run(path).values, expected.values) << most;
   }
 }
 
-TEST_F(Terrain, FlatTerrainSeesTheWholeSky)
-{
-  for (double height : {0.0, -3.0, 1234.5})
-  {
-    const Picture picture = run(write<float>(OIIO::TypeDesc::FLOAT, 201, 201, [=](int, int) { return height; })
-        + " --tile 64");
+TEST_F(Terrain, FlatTerrainSeesTheWholeSky) {
+  for (double height : {0.0, -3.0, 1234.5}) {
+    const Picture picture =
+        run(write<float>(OIIO::TypeDesc::FLOAT, 201, 201, [=](int, int) { return height; }) + " --tile 64");
     EXPECT_TRUE(isFloat);
     ASSERT_EQ(picture.values.size(), 201u * 201u);
-    for (float factor : picture.values)
-      ASSERT_EQ(factor, 1.0f);
+    for (float factor : picture.values) ASSERT_EQ(factor, 1.0f);
   }
 }
 
 /* A round pit of radius R and depth D with a level floor. From its center all horizons are at atan(D/R), so the factor
  * is R^2/(R^2 + D^2). The wall is one cell wide. */
-TEST_F(Terrain, PitSeesTheSkyAboveItsRim)
-{
+TEST_F(Terrain, PitSeesTheSkyAboveItsRim) {
   const int radius = 80, middle = 100;
-  for (int depth : {20, 160})
-  {
+  for (int depth : {20, 160}) {
     const int cell = depth == 20 ? 1 : 5;
     const double expected = 1.0 * radius * radius / (radius * radius + depth * depth);
     const auto heightAt = [=](int x, int y) {
@@ -146,8 +129,8 @@ TEST_F(Terrain, PitSeesTheSkyAboveItsRim)
     };
     const std::string options = " --azimuths 32 --tile 33 --crop 100,100,101,101 --cell " + std::to_string(cell);
     const Picture ofUnsigned = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 201, 201, heightAt) + options);
-    const std::string path = write<int16_t>(OIIO::TypeDesc::INT16, 201, 201,
-        [=](int x, int y) { return heightAt(x, y) - 2000; });
+    const std::string path =
+        write<int16_t>(OIIO::TypeDesc::INT16, 201, 201, [=](int x, int y) { return heightAt(x, y) - 2000; });
     const Picture ofSigned = run(path + options), in16Bits = run(path + options, ".png");
     ASSERT_EQ(ofUnsigned.values.size(), 1u);
     EXPECT_NEAR(ofUnsigned.at(0, 0), expected, 0.01) << "depth " << depth;
@@ -157,15 +140,13 @@ TEST_F(Terrain, PitSeesTheSkyAboveItsRim)
 }
 
 /* No ray passes between two tiles, and all hits match those of an undivided terrain. */
-TEST_F(Terrain, TilesFormOneSurface)
-{
+TEST_F(Terrain, TilesFormOneSurface) {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 121, 101, hills) + " --cell 2 --azimuths 8";
   const Picture whole = run(path), tiles = run(path + " --tile 17"), kernel = run(path + " --embree triangle");
   ASSERT_EQ(whole.values.size(), 121u * 101u);
   EXPECT_EQ(whole.values, tiles.values);
   double mean = 0, difference = 0;
-  for (size_t i = 0; i < whole.values.size(); i++)
-  {
+  for (size_t i = 0; i < whole.values.size(); i++) {
     mean += whole.values[i] / double(whole.values.size());
     difference += std::abs(whole.values[i] - kernel.values.at(i)) / double(whole.values.size());
   }
@@ -174,30 +155,28 @@ TEST_F(Terrain, TilesFormOneSurface)
 }
 
 /* The quads are flat, because their diagonals are not mirrored. */
-TEST_F(Terrain, CopiesAreMirrored)
-{
+TEST_F(Terrain, CopiesAreMirrored) {
   const auto heightAt = [](int x, int y) {
     return 20 * std::sin(0.21 * x) + 5 * std::sin(0.9 * x) + 11 * std::cos(0.4 * y);
   };
-  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt)
-      + " --cell 3 --azimuths 8 --max-error 0.001 --height-repeat 2x3";
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt) +
+                           " --cell 3 --azimuths 8 --max-error 0.001 --height-repeat 2x3";
   const Picture plain = run(path + " --noise-height 0"), noisy = run(path);
   ASSERT_EQ(plain.width, 81);
   ASSERT_EQ(plain.height, 91);
   size_t same = 0;
   for (int y = 0; y < 91; y++)
-    for (int x = 0; x < 81; x++)
-    {
+    for (int x = 0; x < 81; x++) {
       EXPECT_NEAR(plain.at(x, y), plain.at(80 - x, y), 0.004);
       same += noisy.at(x, y) == noisy.at(80 - x, y);
     }
   EXPECT_LT(same, plain.values.size() / 4);
 }
 
-TEST_F(Terrain, MissingSamplesAreHoles)
-{
-  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 51, 51,
-      [](int x, int y) { return x == 20 && y > 10 ? -9999.0 : y == 3 ? NAN : hills(x, y); });
+TEST_F(Terrain, MissingSamplesAreHoles) {
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 51, 51, [](int x, int y) {
+    return x == 20 && y > 10 ? -9999.0 : y == 3 ? NAN : hills(x, y);
+  });
   const Picture picture = run(path + " --nodata -9999 --azimuths 4 --tile 20");
   ASSERT_EQ(picture.values.size(), 51u * 51u);
   for (int y = 0; y < 51; y++)
@@ -207,16 +186,13 @@ TEST_F(Terrain, MissingSamplesAreHoles)
 
 /* Samples beside walls whose sky-view factor is farther than `tolerance` from the exact terrain's, and their number. */
 std::array<size_t, 2> countBesideWalls(const Picture& ours, const Picture& exact, double tolerance,
-                                       const std::function<double(int x, int y)>& heightAt)
-{
+                                       const std::function<double(int x, int y)>& heightAt) {
   std::array<size_t, 2> counts = {0, 0};
   for (int y = 0; y < exact.height; y++)
-    for (int x = 0; x < exact.width; x++)
-    {
+    for (int x = 0; x < exact.width; x++) {
       bool isBesideWall = false;
       for (int dy = -1; dy <= 1; dy++)
-        for (int dx = -1; dx <= 1; dx++)
-        {
+        for (int dx = -1; dx <= 1; dx++) {
           const int i = std::clamp(x + dx, 0, exact.width - 1), j = std::clamp(y + dy, 0, exact.height - 1);
           isBesideWall |= heightAt(i, j) > heightAt(x, y) + 2;
         }
@@ -227,14 +203,12 @@ std::array<size_t, 2> countBesideWalls(const Picture& ours, const Picture& exact
 }
 
 /* Columns and rows do not move, whatever the cell is: otherwise the stored wall leans over samples beside it. */
-TEST_F(Terrain, SamplesBesideWallsSeeTheSky)
-{
+TEST_F(Terrain, SamplesBesideWallsSeeTheSky) {
   const auto tower = [](int x, int y) { return x >= 3 && x <= 5 && y >= 3 && y <= 5 ? 20.0 : 0.0; };
   const auto city = [](int x, int y) { return x % 17 < 8 && y % 13 < 7 ? 5.0 + (x / 17 * 7 + y / 13 * 3) % 20 : 0.0; };
   const std::string towerPath = write<float>(OIIO::TypeDesc::FLOAT, 8, 8, tower);
   const std::string cityPath = write<float>(OIIO::TypeDesc::FLOAT, 60, 60, city);
-  for (const char* cell : {"0.2", "0.25", "0.3", "1.1", "0.0101", "3e5"})
-  {
+  for (const char* cell : {"0.2", "0.25", "0.3", "1.1", "0.0101", "3e5"}) {
     const std::string options = std::string(" --azimuths 8 --cell ") + cell;
     const Picture ofTower = run(towerPath + options), exactTower = run(towerPath + options + " --embree triangle"),
                   ofCity = run(cityPath + options), exactCity = run(cityPath + options + " --embree triangle");
@@ -247,35 +221,27 @@ TEST_F(Terrain, SamplesBesideWallsSeeTheSky)
 }
 
 /* On a plane with a small slope, each sample sees nearly the whole sky, although the stored plane has steps. */
-TEST_F(Terrain, RaysStartAboveTheStoredSurfaceAtAnyError)
-{
-  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 101, 101, [](int x, int y) {
-    return 300 + 0.003 * x + 0.007 * y;
-  });
-  for (const char* error : {"0.001", "0.02", "0.1", "0.5"})
-  {
+TEST_F(Terrain, RaysStartAboveTheStoredSurfaceAtAnyError) {
+  const std::string path =
+      write<float>(OIIO::TypeDesc::FLOAT, 101, 101, [](int x, int y) { return 300 + 0.003 * x + 0.007 * y; });
+  for (const char* error : {"0.001", "0.02", "0.1", "0.5"}) {
     const Picture picture = run(path + " --azimuths 8 --cell 1 --max-error " + error);
     ASSERT_EQ(picture.values.size(), 101u * 101u);
-    for (float factor : picture.values)
-      ASSERT_GT(factor, 0.5f) << "--max-error " << error;
+    for (float factor : picture.values) ASSERT_GT(factor, 0.5f) << "--max-error " << error;
   }
 }
 
-TEST_F(Terrain, RaysStartAboveSurfacesWhoseFloatsAreCoarse)
-{
+TEST_F(Terrain, RaysStartAboveSurfacesWhoseFloatsAreCoarse) {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, [](int, int) { return 3e6; });
-  for (float factor : run(path + " --cell 0.2 --azimuths 8").values)
-    ASSERT_EQ(factor, 1.0f);
+  for (float factor : run(path + " --cell 0.2 --azimuths 8").values) ASSERT_EQ(factor, 1.0f);
   EXPECT_TRUE(test::containsInOrder(textOf("/stderr"), {"warning", "--start-height 0.003125"})) << textOf("/stderr");
   run(write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills) + " --azimuths 4");
   EXPECT_EQ(textOf("/stderr").find("warning"), std::string::npos) << textOf("/stderr");
 }
 
-TEST_F(Terrain, NoHeightMovesFartherThanHalfOfTheLargestError)
-{
+TEST_F(Terrain, NoHeightMovesFartherThanHalfOfTheLargestError) {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills) + " --azimuths 1 --cell 0.3";
-  for (const double error : {1e-4, 0.03, 2.0})
-  {
+  for (const double error : {1e-4, 0.03, 2.0}) {
     run(path + " --max-error " + std::to_string(error));
     const std::string text = textOf("/stdout"), mark = "moved: ";
     const double moved = std::stod(text.substr(text.find(mark) + mark.size()));
@@ -286,55 +252,47 @@ TEST_F(Terrain, NoHeightMovesFartherThanHalfOfTheLargestError)
 
 /* 8-bit colors of map tiles; `channels` is 3 or 4. */
 std::string writeColors(const std::string& path, int channels, const std::function<long(int x, int y)>& codeAt,
-                        const std::function<int(int x, int y)>& alphaAt)
-{
+                        const std::function<int(int x, int y)>& alphaAt) {
   std::vector<uint8_t> bytes;
   for (int y = 0; y < 31; y++)
-    for (int x = 0; x < 41; x++)
-    {
-      for (int shift : {16, 8, 0})
-        bytes.push_back(uint8_t(codeAt(x, y) >> shift));
-      if (channels == 4)
-        bytes.push_back(uint8_t(alphaAt(x, y)));
+    for (int x = 0; x < 41; x++) {
+      for (int shift : {16, 8, 0}) bytes.push_back(uint8_t(codeAt(x, y) >> shift));
+      if (channels == 4) bytes.push_back(uint8_t(alphaAt(x, y)));
     }
   writeImageFile(path, OIIO::ImageSpec(41, 31, channels, OIIO::TypeDesc::UINT8), OIIO::TypeDesc::UINT8, bytes.data());
   return path;
 }
 
-TEST_F(Terrain, MapTilesAreDecoded)
-{
+TEST_F(Terrain, MapTilesAreDecoded) {
   const auto codeOfTerrarium = [](int x, int y) { return std::lround((hills(x, y) + 32768) * 256); };
   const auto codeOfMapbox = [](int x, int y) { return std::lround((hills(x, y) + 10000) * 10); };
   const auto isMissing = [](int x, int y) { return x == 7 && y == 9; };
   const auto alphaAt = [&](int x, int y) { return isMissing(x, y) ? 0 : 255; };
   const std::string options = " --azimuths 8 --cell 2";
   for (const bool isTerrarium : {true, false})
-    for (const int channels : {3, 4})
-    {
+    for (const int channels : {3, 4}) {
       const std::function<long(int, int)> codeAt =
-        isTerrarium ? std::function<long(int, int)>(codeOfTerrarium) : codeOfMapbox;
-      const Picture expected = run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31, [&](int x, int y) {
-        if (channels == 4 && isMissing(x, y))
-          return double(NAN);
-        return isTerrarium ? double(codeAt(x, y)) / 256 - 32768 : double(codeAt(x, y)) / 10 - 10000;
-      }) + options);
+          isTerrarium ? std::function<long(int, int)>(codeOfTerrarium) : codeOfMapbox;
+      const Picture expected = run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31,
+                                                [&](int x, int y) {
+                                                  if (channels == 4 && isMissing(x, y)) return double(NAN);
+                                                  return isTerrarium ? double(codeAt(x, y)) / 256 - 32768
+                                                                     : double(codeAt(x, y)) / 10 - 10000;
+                                                }) +
+                                   options);
       const std::string file = folder + "/tile" + std::to_string(files++) + ".png";
       const std::string path = writeColors(file, channels, codeAt, alphaAt);
       const Picture decoded = run(path + options + " --encoding " + (isTerrarium ? "terrarium" : "mapbox"));
       ASSERT_EQ(decoded.values.size(), expected.values.size());
       for (size_t i = 0; i < expected.values.size(); i++)
-        if (std::isnan(expected.values[i]))
-          EXPECT_TRUE(std::isnan(decoded.values[i])) << i;
-        else
-          EXPECT_EQ(decoded.values[i], expected.values[i]) << i;
+        if (std::isnan(expected.values[i])) EXPECT_TRUE(std::isnan(decoded.values[i])) << i;
+        else EXPECT_EQ(decoded.values[i], expected.values[i]) << i;
     }
 }
 
-TEST_F(Terrain, ColorsAreNoHeights)
-{
-  const std::string path = writeColors(folder + "/relief.png", 3, [](int x, int y) {
-    return (std::lround(hills(x, y) + 100) << 16) + 40 * y;
-  }, nullptr);
+TEST_F(Terrain, ColorsAreNoHeights) {
+  const std::string path = writeColors(
+      folder + "/relief.png", 3, [](int x, int y) { return (std::lround(hills(x, y) + 100) << 16) + 40 * y; }, nullptr);
   expectRefusal(path, {path, "3 channels (R, G, B)", "one channel", "--channel", "--encoding"});
   expectRefusal(path + " --channel height", {path, "--channel 'height'", "R, G, B"});
   expectRefusal(path + " --channel 3", {path, "--channel '3'", "R, G, B"});
@@ -342,9 +300,9 @@ TEST_F(Terrain, ColorsAreNoHeights)
   expectRefusal(path + " --encoding mapbox --channel R", {"--channel 'R'", "--encoding"});
   const std::string options = " --azimuths 4 --cell 2";
   const Picture red = run(path + options + " --channel R"), first = run(path + options + " --channel 0"),
-                expected = run(write<uint8_t>(OIIO::TypeDesc::UINT8, 41, 31, [](int x, int y) {
-                  return std::lround(hills(x, y) + 100);
-                }) + options);
+                expected = run(write<uint8_t>(OIIO::TypeDesc::UINT8, 41, 31,
+                                              [](int x, int y) { return std::lround(hills(x, y) + 100); }) +
+                               options);
   EXPECT_EQ(red.values, expected.values);
   EXPECT_EQ(first.values, expected.values);
   test::TiffLayout palette;
@@ -359,14 +317,12 @@ TEST_F(Terrain, ColorsAreNoHeights)
 }
 
 /* The first page may be a mask. */
-TEST_F(Terrain, SmallerCopiesAndMasksAreNotTheTerrain)
-{
+TEST_F(Terrain, SmallerCopiesAndMasksAreNotTheTerrain) {
   constexpr unsigned smaller = 1, mask = 4; // NewSubfileType
   const std::string path = folder + "/pages.tif", alone = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills);
   const auto writePages = [&](const std::vector<unsigned>& subfiles) {
     test::TiffWriter writer(false, false);
-    for (const unsigned subfile : subfiles)
-    {
+    for (const unsigned subfile : subfiles) {
       test::TiffLayout page;
       page.subfile = subfile;
       page.width = subfile == smaller ? 20 : 41;
@@ -375,8 +331,7 @@ TEST_F(Terrain, SmallerCopiesAndMasksAreNotTheTerrain)
       page.format = subfile == mask ? 1 : 3;
       std::vector<float> heights;
       for (int y = 0; y < int(page.height); y++)
-        for (int x = 0; x < int(page.width); x++)
-          heights.push_back(subfile ? 1.0f : float(hills(x, y)));
+        for (int x = 0; x < int(page.width); x++) heights.push_back(subfile ? 1.0f : float(hills(x, y)));
       writer.addPage(page, subfile == mask ? std::string(41 * 31, '\xff') : test::bytesOf(heights));
     }
     writer.save(path);
@@ -388,27 +343,24 @@ TEST_F(Terrain, SmallerCopiesAndMasksAreNotTheTerrain)
   expectRefusal(path, {path, "only smaller copies or masks"});
 }
 
-TEST_F(Terrain, LosslessVerticesDoNotMove)
-{
+TEST_F(Terrain, LosslessVerticesDoNotMove) {
   run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31, hills) + " --azimuths 4 --max-error 0");
   EXPECT_NE(textOf("/stdout").find("moved: 0\n"), std::string::npos) << textOf("/stdout");
 }
 
 /* Before horizons are computed, which may take hours. */
-TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce)
-{
+TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce) {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
   const std::string missing = folder + "/missing", xyz = folder + "/a.xyz";
   const std::pair<std::string, std::vector<std::string>> outputs[] = {
-    {missing + "/a.tif", {missing + "/a.tif", missing}},
-    {xyz, {xyz}},
-    {folder + "/a.fits", {folder + "/a.fits", "fits", "tif"}}, // OpenImageIO's writers have errors
-    {folder + "/a.rla", {folder + "/a.rla", "rla", "tif"}},
-    {folder, {folder, std::strerror(EISDIR)}},
-    {path, {path, "input"}},
-    {"''", {"--output ''"}}};
-  for (const auto& [output, parts] : outputs)
-  {
+      {missing + "/a.tif", {missing + "/a.tif", missing}},
+      {xyz, {xyz}},
+      {folder + "/a.fits", {folder + "/a.fits", "fits", "tif"}}, // OpenImageIO's writers have errors
+      {folder + "/a.rla", {folder + "/a.rla", "rla", "tif"}},
+      {folder, {folder, std::strerror(EISDIR)}},
+      {path, {path, "input"}},
+      {"''", {"--output ''"}}};
+  for (const auto& [output, parts] : outputs) {
     const std::string command = std::string(PROGRAM) + " " + path + " --output " + output;
     const int status = std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 1) << command;
@@ -417,16 +369,13 @@ TEST_F(Terrain, UnusableOutputsAreRejectedAtOnce)
   }
 }
 
-TEST_F(Terrain, AnyNameOfPngSelects16Bits)
-{
+TEST_F(Terrain, AnyNameOfPngSelects16Bits) {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills) + " --azimuths 4";
   const Picture expected = run(path, ".png");
-  for (const char* extension : {".PNG", ""})
-    EXPECT_EQ(run(path, extension).values, expected.values) << extension;
+  for (const char* extension : {".PNG", ""}) EXPECT_EQ(run(path, extension).values, expected.values) << extension;
 }
 
-TEST_F(Terrain, InvalidArgumentsAreRejected)
-{
+TEST_F(Terrain, InvalidArgumentsAreRejected) {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
   expectRefusal(path + " --crop 0,0,22,21", {"--crop 0,0,22,21", "0,0,21,21"});
   expectRefusal(path + " --cell 0", {"--cell 0"});
@@ -446,5 +395,4 @@ TEST_F(Terrain, InvalidArgumentsAreRejected)
   expectRefusal(folder + "/pipe.tif", {folder + "/pipe.tif: ", "pipe"});
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh

@@ -57,7 +57,7 @@ refuses "option --paint" --scene cube --paint red
 refuses "output '$folder/missing/out.png': .*$folder/missing" --scene cube --level 2 --output "$folder/missing/out.png"
 refuses "$folder/out.txt: .*txt" --scene cube --level 2 --output "$folder/out.txt"
 
-"$program" --scene cube --level 2 >/dev/null 2>"$folder/stderr"
+"$program" --scene cube --level 2 > /dev/null 2> "$folder/stderr"
 status=$?
 [ $status = 1 ] || complain "exit status $status without a display"
 grep -q "^cbvh_viewer: .*window.*--no-window" "$folder/stderr" || complain "without a display: $(cat "$folder/stderr")"
@@ -65,7 +65,7 @@ grep -q "^cbvh_viewer: .*window.*--no-window" "$folder/stderr" || complain "with
 for mode in shading normals error cells blocks; do
   for representation in naive naive-compact grid cgrid,cvoxel cleaf^auto,cvoxel^8; do
     "$program" --scene cube --level 3 --size 65x47 --show $mode --representation $representation \
-      --no-window --output "$folder/$mode-${representation//,/-}.ppm" 2>"$folder/stderr" ||
+      --no-window --output "$folder/$mode-${representation//,/-}.ppm" 2> "$folder/stderr" ||
       complain "$mode, $representation: $(cat "$folder/stderr")"
     [ "$(head -c 12 "$folder/$mode-${representation//,/-}.ppm" | tr '\n' ' ')" = "P6 65 47 255" ] ||
       complain "$mode, $representation: no picture of 65 x 47"
@@ -73,13 +73,13 @@ for mode in shading normals error cells blocks; do
 done
 # A file shows the same picture as its scene, also in motion, and a window would open it.
 "$render" --scene cube --level 3 --motion turn --representation cvert --size 65x47 --output "$folder/saved" \
-  --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "cube.cbvh is not written"
+  --save "$folder/cube.cbvh" > /dev/null 2>&1 || complain "cube.cbvh is not written"
 for mode in shading normals; do
   for view in "full --time 0.5" "3,2,4,0,0,0,40"; do
     "$program" --scene cube --level 3 --motion turn --size 65x47 --show $mode --view $view \
-      --no-window --output "$folder/built.ppm" 2>"$folder/stderr" || complain "built: $(cat "$folder/stderr")"
+      --no-window --output "$folder/built.ppm" 2> "$folder/stderr" || complain "built: $(cat "$folder/stderr")"
     "$program" "$folder/cube.cbvh" --size 65x47 --show $mode --view $view --no-window \
-      --output "$folder/opened.ppm" 2>"$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
+      --output "$folder/opened.ppm" 2> "$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
     [ "$view" = "full --time 0.5" ] || cmp "$folder/built.ppm" "$folder/opened.ppm" ||
       complain "a different picture from a file, $mode"
     [ "$(tail -c $((65 * 47 * 3)) "$folder/opened.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)" -gt 50 ] ||
@@ -91,13 +91,13 @@ done
 mkdir "$folder/work"
 (cd "$folder/work" &&
   "$program" --scene trex --mapping atlas --level 0 --size 64x64 --no-window --output "$folder/trex.ppm" \
-    2>"$folder/stderr") ||
+    2> "$folder/stderr") ||
   complain "trex: $(cat "$folder/stderr")"
 [ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] ||
   complain "no map in the user's cache: $(ls -R "$folder/cache")"
 [ -z "$(ls -A "$folder/work")" ] || complain "left in the working directory: $(ls -A "$folder/work")"
 "$program" --scene trex --mapping atlas --level 0 --size 64x64 --no-window --output "$folder/again.ppm" \
-  2>"$folder/stderr"
+  2> "$folder/stderr"
 cmp "$folder/trex.ppm" "$folder/again.ppm" || complain "a different picture with the map from the cache"
 grep -q "trex: skin" "$folder/stderr" && complain "the map in the cache is not used"
 XDG_CACHE_HOME=/dev/null refuses "/dev/null/embree-cbvh" --scene trex --level 0
@@ -109,7 +109,7 @@ colors=$(tail -c $((65 * 47 * 3)) "$folder/error-grid.ppm" | od -An -v -tu1 -w3 
 # Samples smooth only shaded pictures; errors and positions have no mean.
 for mode in shading normals error cells blocks; do
   "$program" --scene cube --level 3 --size 65x47 --show $mode --representation cleaf^auto,cvoxel^8 --samples 1 \
-    --no-window --output "$folder/once.ppm" 2>/dev/null
+    --no-window --output "$folder/once.ppm" 2> /dev/null
   if [ $mode = shading ]; then
     cmp -s "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" &&
       complain "one sample and sixteen give the same picture"
@@ -121,9 +121,9 @@ done
 # The picture equals cbvh_render's with the same number of samples.
 for samples in 1 5 16; do
   "$program" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples \
-    --no-window --output "$folder/ours.png" 2>/dev/null
+    --no-window --output "$folder/ours.png" 2> /dev/null
   "$render" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --output "$folder/theirs" \
-    >/dev/null 2>&1
+    > /dev/null 2>&1
   cmp "$folder/ours.png" "$folder/theirs/cube_cvert.png" ||
     complain "a different picture than cbvh_render's of $samples samples"
 done
@@ -131,9 +131,9 @@ done
 # The same at later times of a motion.
 for time in 0 0.5; do
   "$program" --scene cube --motion turn --level 4 --size 200x100 --time $time --no-window \
-    --output "$folder/at$time.png" 2>/dev/null
+    --output "$folder/at$time.png" 2> /dev/null
   "$render" --scene cube --motion turn --level 4 --size 200x100 --representation cvert --shutter $time,$time \
-    --output "$folder/theirs" >/dev/null 2>&1
+    --output "$folder/theirs" > /dev/null 2>&1
   cmp "$folder/at$time.png" "$folder/theirs/cube_cvert.png" ||
     complain "a different picture than cbvh_render's at time $time"
 done
@@ -141,7 +141,7 @@ cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not rota
 
 # Labels do not name what the library builds for motion.
 "$program" --scene cube --motion turn --level 2 --size 64x64 --representation cleaf,cleaf-only --no-window \
-  --output "$folder/moving.png" 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+  --output "$folder/moving.png" 2> "$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
 grep -q "^cbvh_viewer: warning: cleaf .*cVERT" "$folder/stderr" &&
   grep -q "^cbvh_viewer: warning: cleaf-only .*GRID" "$folder/stderr" ||
   complain "no warning about blocks with frames: $(cat "$folder/stderr")"
@@ -149,7 +149,7 @@ grep -q "^cbvh_viewer: warning: cleaf .*cVERT" "$folder/stderr" &&
 # One thread and two threads must give the same picture.
 for threads in 1 2; do
   "$program" --scene cube --level 4 --size 200x100 --threads $threads --no-window \
-    --output "$folder/threads$threads.ppm" 2>/dev/null
+    --output "$folder/threads$threads.ppm" 2> /dev/null
 done
 cmp "$folder/threads1.ppm" "$folder/threads2.ppm" || complain "threads change the picture"
 
@@ -158,7 +158,7 @@ awk 'BEGIN { n = 64
   for (y = 0; y <= n; y++) for (x = 0; x <= n; x++) print "v", x, y, 0
   for (y = 0; y < n; y++)
     for (x = 0; x < n; x++) { v = y * (n + 1) + x + 1; print "f", v, v + 1, v + n + 2, v + n + 1 } }' \
-  >"$folder/plane.obj"
+  > "$folder/plane.obj"
 # GRID is built first, for the camera.
 expect_cancellation "grep -q 'GRID: build' '$folder/stderr'" --cage "$folder/plane.obj" --level 8 \
   --no-window --output "$folder/out.png"

@@ -20,26 +20,20 @@
 #include <stdexcept>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 /* --- the viewpoint ----------------------------------------------------------------------- */
 
 constexpr ImageSize size{640, 480};
 
-Viewpoint someViewpoint()
-{
-  return Viewpoint(Camera({3, 2, 5}, {0.5f, 0.25f, -1}, {0, 1, 0}, 40, size), {0, 1, 0});
-}
+Viewpoint someViewpoint() { return Viewpoint(Camera({3, 2, 5}, {0.5f, 0.25f, -1}, {0, 1, 0}, 40, size), {0, 1, 0}); }
 
 /* Maps a pixel to a point at a distance, and back. */
-Vec3f pointAt(const Camera& camera, float x, float y, float distance)
-{
+Vec3f pointAt(const Camera& camera, float x, float y, float distance) {
   return camera.eye() + distance * camera.direction(x, y);
 }
 
-Vec2f pixelOf(const Camera& camera, Vec3f point)
-{
+Vec2f pixelOf(const Camera& camera, Vec3f point) {
   const Vec3f forward = normalize(camera.lookAt() - camera.eye()), right = normalize(cross(forward, Vec3f{0, 1, 0}));
   const Vec3f v = point - camera.eye();
   const float scale = 1.0f / (dot(v, forward) * camera.footprint());
@@ -47,13 +41,11 @@ Vec2f pixelOf(const Camera& camera, Vec3f point)
           dot(v, cross(forward, right)) * scale + 0.5f * float(size.height) - 0.5f};
 }
 
-void expectNear(Vec3f a, Vec3f b, float tolerance = 1e-4f)
-{
+void expectNear(Vec3f a, Vec3f b, float tolerance = 1e-4f) {
   EXPECT_LT(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z << " and " << b.x << " " << b.y << " " << b.z;
 }
 
-TEST(Viewpoint, PanKeepsThePointUnderTheMouse)
-{
+TEST(Viewpoint, PanKeepsThePointUnderTheMouse) {
   Viewpoint view = someViewpoint();
   const Vec3f direction = view.direction();
   const Vec3f point = pointAt(view.camera(size), 150, 300, 4.0f);
@@ -64,8 +56,7 @@ TEST(Viewpoint, PanKeepsThePointUnderTheMouse)
   expectNear(view.direction(), direction);
 }
 
-TEST(Viewpoint, ZoomKeepsThePixelOfThePointAndScalesAllDistances)
-{
+TEST(Viewpoint, ZoomKeepsThePixelOfThePointAndScalesAllDistances) {
   Viewpoint view = someViewpoint();
   const Vec3f point = pointAt(view.camera(size), 500, 100, 6.0f);
   const float before = view.distance(), toPoint = length(point - view.position());
@@ -77,13 +68,10 @@ TEST(Viewpoint, ZoomKeepsThePixelOfThePointAndScalesAllDistances)
   EXPECT_NEAR(length(point - view.position()), 0.5f * toPoint, 1e-4f);
 }
 
-TEST(Viewpoint, ZoomStopsWithinFloatRange)
-{
-  for (const float factor : {0.5f, 2.0f})
-  {
+TEST(Viewpoint, ZoomStopsWithinFloatRange) {
+  for (const float factor : {0.5f, 2.0f}) {
     Viewpoint view = someViewpoint();
-    for (int i = 0; i < 1000; i++)
-      view.zoom({0.5f, 0.25f, -1}, factor);
+    for (int i = 0; i < 1000; i++) view.zoom({0.5f, 0.25f, -1}, factor);
     EXPECT_GT(view.distance(), 0.0f);
     EXPECT_TRUE(isFinite(view.position()));
     EXPECT_TRUE(isFinite(view.camera(size).direction(0, 0)));
@@ -92,13 +80,11 @@ TEST(Viewpoint, ZoomStopsWithinFloatRange)
   }
 }
 
-TEST(Viewpoint, OrbitKeepsItsDistanceAndAvoidsThePoles)
-{
+TEST(Viewpoint, OrbitKeepsItsDistanceAndAvoidsThePoles) {
   Viewpoint view = someViewpoint();
   const Vec3f target = view.camera(size).lookAt();
   const float distance = view.distance();
-  for (int i = 0; i < 100; i++)
-  {
+  for (int i = 0; i < 100; i++) {
     view.orbit(0.3f, 0.4f);
     expectNear(view.camera(size).lookAt(), target);
     ASSERT_NEAR(view.distance(), distance, 1e-3f);
@@ -107,8 +93,7 @@ TEST(Viewpoint, OrbitKeepsItsDistanceAndAvoidsThePoles)
   EXPECT_GT(view.direction().y, 0.99f);
 }
 
-TEST(Viewpoint, LookRotatesInPlace)
-{
+TEST(Viewpoint, LookRotatesInPlace) {
   Viewpoint view = someViewpoint();
   const Vec3f direction = view.direction();
   view.look(0.2f, 0.1f);
@@ -117,10 +102,8 @@ TEST(Viewpoint, LookRotatesInPlace)
   EXPECT_GT(view.direction().y, direction.y);
 }
 
-TEST(Viewpoint, LookingStraightUpAndDownIsStable)
-{
-  for (const float y : {5.0f, -5.0f})
-  {
+TEST(Viewpoint, LookingStraightUpAndDownIsStable) {
+  for (const float y : {5.0f, -5.0f}) {
     Viewpoint view(Camera({0, y, 0}, {0, 0, 0}, {0, 1, 0}, 40, size), {0, 1, 0});
     view.pan(10, 10, 5, size);
     view.move(1, 1);
@@ -131,23 +114,17 @@ TEST(Viewpoint, LookingStraightUpAndDownIsStable)
 
 /* --- the window's layout ----------------------------------------------------------------- */
 
-bool overlap(Rectangle a, Rectangle b)
-{
+bool overlap(Rectangle a, Rectangle b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-int areaOf(Rectangle r)
-{
-  return r.width * r.height;
-}
+int areaOf(Rectangle r) { return r.width * r.height; }
 
-TEST(Layout, AreasDoNotOverlap)
-{
+TEST(Layout, AreasDoNotOverlap) {
   for (const ImageSize window :
        {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
     for (const PanelState panel : {PanelState::Open, PanelState::Folded, PanelState::Hidden})
-      for (const bool split : {false, true})
-      {
+      for (const bool split : {false, true}) {
         const WindowLayout l = computeLayout(window, panel, split);
         EXPECT_FALSE(overlap(l.panel, l.picture) || overlap(l.captions, l.picture) || overlap(l.captions, l.panel));
         EXPECT_EQ(areaOf(l.panel) + areaOf(l.captions) + areaOf(l.picture), window.width * window.height);
@@ -157,10 +134,8 @@ TEST(Layout, AreasDoNotOverlap)
       }
 }
 
-TEST(Layout, PictureGetsHalfTheWindowOrAllOfItWithoutThePanel)
-{
-  for (const ImageSize window : {ImageSize{1024, 768}, {600, 400}, {400, 300}})
-  {
+TEST(Layout, PictureGetsHalfTheWindowOrAllOfItWithoutThePanel) {
+  for (const ImageSize window : {ImageSize{1024, 768}, {600, 400}, {400, 300}}) {
     const int all = window.width * window.height;
     EXPECT_GE(2 * areaOf(computeLayout(window, PanelState::Open, false).picture), all);
     EXPECT_GE(10 * areaOf(computeLayout(window, PanelState::Folded, false).picture), 9 * all);
@@ -171,11 +146,9 @@ TEST(Layout, PictureGetsHalfTheWindowOrAllOfItWithoutThePanel)
 
 /* --- pictures ---------------------------------------------------------------------------- */
 
-class Pictures : public testing::Test
-{
+class Pictures : public testing::Test {
 protected:
-  Pictures()
-  {
+  Pictures() {
     BuildSettings settings;
     settings.level = 4;
     grid.emplace(model, Representation{RepresentationKind::Grid}, settings);
@@ -183,8 +156,7 @@ protected:
     camera.emplace(chooseCamera("full", model, *grid, {96, 64}, 1));
   }
 
-  static Model cube()
-  {
+  static Model cube() {
     SceneSettings settings;
     settings.scene = "cube";
     std::string warnings;
@@ -196,8 +168,7 @@ protected:
   std::optional<Camera> camera;
 };
 
-TEST_F(Pictures, CountAllRaysAndTheirHits)
-{
+TEST_F(Pictures, CountAllRaysAndTheirHits) {
   Picture picture(*camera, {Pane(&*grid)}, {});
   picture.addSample();
   const std::vector<SurfaceHit> hits = traceClosest(*grid, primaryRays(*camera), 1);
@@ -211,15 +182,14 @@ TEST_F(Pictures, CountAllRaysAndTheirHits)
   EXPECT_DOUBLE_EQ(report.mhits(), report.mrays() * double(report.hits) / double(report.rays));
 }
 
-TEST_F(Pictures, HaveTheSameErrorsAsOtherPrograms)
-{
+TEST_F(Pictures, HaveTheSameErrorsAsOtherPrograms) {
   PictureSettings settings;
   settings.mode = PictureMode::Error;
   Picture picture(*camera, {Pane(&*coarse, &*grid)}, settings);
   picture.addSample();
   const std::vector<Ray> rays = primaryRays(*camera);
-  const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1),
-                                       camera->footprint(), coarse->layout());
+  const HitErrors errors =
+      compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1), camera->footprint(), coarse->layout());
   const PaneReport& report = picture.reports().at(0);
   EXPECT_GT(report.p99, report.median);
   EXPECT_EQ(report.median, errors.median);
@@ -228,16 +198,14 @@ TEST_F(Pictures, HaveTheSameErrorsAsOtherPrograms)
   EXPECT_EQ(report.misses, errors.misses);
 }
 
-TEST_F(Pictures, AccumulateSamplesAndKeepTheFiguresOfTheFirst)
-{
+TEST_F(Pictures, AccumulateSamplesAndKeepTheFiguresOfTheFirst) {
   PictureSettings settings;
   settings.samples = 4;
   Picture picture(*camera, {Pane(&*coarse)}, settings);
   picture.addSample();
   const std::vector<uint8_t> first = picture.image().rgb;
   const double seconds = picture.reports().at(0).seconds;
-  for (int samples = 2; samples <= 4; samples++)
-  {
+  for (int samples = 2; samples <= 4; samples++) {
     EXPECT_FALSE(picture.isComplete());
     picture.addSample();
     EXPECT_EQ(picture.samples(), samples);
@@ -248,10 +216,8 @@ TEST_F(Pictures, AccumulateSamplesAndKeepTheFiguresOfTheFirst)
   EXPECT_EQ(picture.reports()[0].seconds, seconds);
 }
 
-TEST_F(Pictures, UseOneRayIfHitsHaveNoMean)
-{
-  for (const PictureMode mode : allPictureModes)
-  {
+TEST_F(Pictures, UseOneRayIfHitsHaveNoMean) {
+  for (const PictureMode mode : allPictureModes) {
     PictureSettings settings;
     settings.mode = mode;
     settings.samples = 4;
@@ -261,30 +227,26 @@ TEST_F(Pictures, UseOneRayIfHitsHaveNoMean)
 }
 
 /* A pixel that is half white and half black is brighter than the mean of the encoded values. */
-TEST_F(Pictures, AverageLinearColor)
-{
+TEST_F(Pictures, AverageLinearColor) {
   PictureSettings settings;
   settings.samples = 3;
   const Image image = renderPicture(*camera, {Pane(&*grid)}, settings);
   const HitShader shader(camera->direction(48, 32), settings.up);
   std::vector<Vec3f> sums(96 * 64);
-  for (int i = 0; i < 3; i++)
-  {
+  for (int i = 0; i < 3; i++) {
     const std::vector<Ray> rays = primaryRays(*camera, sampleOffset(i));
     const std::vector<SurfaceHit> hits = traceClosest(*grid, rays, 1);
     for (size_t k = 0; k < rays.size(); k++)
       sums[k] += hits[k].hit() ? shader.color(rays[k], hits[k]) : backgroundColor(float(k / 96) / 64.0f);
   }
   Image expected({96, 64});
-  for (size_t k = 0; k < sums.size(); k++)
-    expected.set(k, (1.0f / 3.0f) * sums[k]);
+  for (size_t k = 0; k < sums.size(); k++) expected.set(k, (1.0f / 3.0f) * sums[k]);
   EXPECT_EQ(image.rgb, expected.rgb);
 }
 
 /* --- opened files ------------------------------------------------------------------------ */
 
-TEST(OpenedFiles, CageReplacesTheSceneAndItsMap)
-{
+TEST(OpenedFiles, CageReplacesTheSceneAndItsMap) {
   SceneSettings current;
   current.scene = "trex";
   current.rough = true;
@@ -300,8 +262,7 @@ TEST(OpenedFiles, CageReplacesTheSceneAndItsMap)
   validateScene(opened);
 }
 
-TEST(OpenedFiles, MapIsAppliedToTheCurrentCage)
-{
+TEST(OpenedFiles, MapIsAppliedToTheCurrentCage) {
   SceneSettings current;
   current.cagePath = "body.obj";
   current.heightPath = "old.png";
@@ -312,8 +273,7 @@ TEST(OpenedFiles, MapIsAppliedToTheCurrentCage)
   EXPECT_EQ(opened.amplitude, 0.02f);
 }
 
-TEST(OpenedFiles, CageWithoutAMapResetsMapOptions)
-{
+TEST(OpenedFiles, CageWithoutAMapResetsMapOptions) {
   SceneSettings current;
   current.cagePath = "body.obj";
   current.heightPath = "body.exr";
@@ -332,8 +292,7 @@ TEST(OpenedFiles, CageWithoutAMapResetsMapOptions)
   EXPECT_EQ(both.mapScale, 3.0f);
 }
 
-TEST(OpenedFiles, AnotherCageHasNoLaterTimeSteps)
-{
+TEST(OpenedFiles, AnotherCageHasNoLaterTimeSteps) {
   SceneSettings current;
   current.cagePath = "body.obj";
   current.cageEnds = {"end.obj"};
@@ -341,10 +300,8 @@ TEST(OpenedFiles, AnotherCageHasNoLaterTimeSteps)
   EXPECT_TRUE(openFiles({"head.obj"}, current).cageEnds.empty());
 }
 
-TEST(OpenedFiles, CageAndMapAreAcceptedInAnyOrder)
-{
-  for (const auto& files : {std::vector<std::string>{"body.obj", "skin.tif"}, {"skin.tif", "body.obj"}})
-  {
+TEST(OpenedFiles, CageAndMapAreAcceptedInAnyOrder) {
+  for (const auto& files : {std::vector<std::string>{"body.obj", "skin.tif"}, {"skin.tif", "body.obj"}}) {
     const SceneSettings opened = openFiles(files, {});
     EXPECT_EQ(opened.cagePath, "body.obj");
     EXPECT_EQ(opened.heightPath, "skin.tif");
@@ -352,8 +309,7 @@ TEST(OpenedFiles, CageAndMapAreAcceptedInAnyOrder)
   }
 }
 
-TEST(OpenedFiles, CompressedSurfacesHaveNoModel)
-{
+TEST(OpenedFiles, CompressedSurfacesHaveNoModel) {
   SceneSettings trex;
   trex.scene = "trex";
   trex.amplitude = 0.01f;
@@ -369,8 +325,7 @@ TEST(OpenedFiles, CompressedSurfacesHaveNoModel)
   EXPECT_TRUE(next.savedPath.empty());
 }
 
-TEST(OpenedFiles, IncompatibleFilesAreRejected)
-{
+TEST(OpenedFiles, IncompatibleFilesAreRejected) {
   SceneSettings trex;
   trex.scene = "trex";
   EXPECT_THROW(openFiles({"skin.png"}, {}), Error);
@@ -383,25 +338,21 @@ TEST(OpenedFiles, IncompatibleFilesAreRejected)
 
 /* --- the worker -------------------------------------------------------------------------- */
 
-void untilCancelled()
-{
-  for (;;)
-  {
+void untilCancelled() {
+  for (;;) {
     throwIfCanceled();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 
-TEST(Worker, ReportsThePhaseOfItsWork)
-{
+TEST(Worker, ReportsThePhaseOfItsWork) {
   Worker worker;
   worker.reportProgress();
   EXPECT_FALSE(worker.progress());
   std::atomic<int> step{0};
   worker.start("loading", [&] {
     const auto waitFor = [&](int n) {
-      while (step < n)
-        std::this_thread::yield();
+      while (step < n) std::this_thread::yield();
     };
     {
       Phase phase("skin");
@@ -413,8 +364,7 @@ TEST(Worker, ReportsThePhaseOfItsWork)
     waitFor(4);
   });
   const auto reached = [&](int n) {
-    while (step < n)
-      std::this_thread::yield();
+    while (step < n) std::this_thread::yield();
     return worker.progress().value();
   };
   const Worker::Progress within = reached(1);
@@ -429,8 +379,7 @@ TEST(Worker, ReportsThePhaseOfItsWork)
   EXPECT_FALSE(worker.progress());
 }
 
-TEST(Worker, CanBeStoppedAndRestarted)
-{
+TEST(Worker, CanBeStoppedAndRestarted) {
   Worker worker;
   worker.start("endless", untilCancelled);
   worker.cancel();
@@ -446,8 +395,7 @@ TEST(Worker, CanBeStoppedAndRestarted)
   EXPECT_TRUE(done);
 }
 
-TEST(Worker, DiscardsResultsOfCanceledWork)
-{
+TEST(Worker, DiscardsResultsOfCanceledWork) {
   Worker worker;
   worker.start("short", [] {});
   worker.wait();
@@ -455,16 +403,14 @@ TEST(Worker, DiscardsResultsOfCanceledWork)
   EXPECT_THROW(worker.join(), Canceled);
 }
 
-TEST(Worker, ForwardsErrors)
-{
+TEST(Worker, ForwardsErrors) {
   Worker worker;
   worker.start("failing", [] { throw Error("no such file"); });
   EXPECT_THROW(worker.join(), Error);
   EXPECT_FALSE(worker.hasTask());
 }
 
-TEST(Worker, StopsOnDestruction)
-{
+TEST(Worker, StopsOnDestruction) {
   {
     Worker worker;
     worker.start("endless", untilCancelled);
@@ -472,5 +418,4 @@ TEST(Worker, StopsOnDestruction)
   EXPECT_FALSE(cancelRequested());
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

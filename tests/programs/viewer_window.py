@@ -72,10 +72,14 @@ def test_switching(session):
     # Dragging moves the line between the halves, but not the camera.
     camera = session.camera()
     session.drag((SIZE[0] // 2, 300), (360, 300))
+
     def divided():
         screen = session.screen()
-        return all(part(screen, x, 0, width, SIZE[1]) == part(picture, x, 0, width, SIZE[1])
-                   for picture, x, width in ((finer, 0, 360), (voxel, 361, SIZE[0] - 361)))
+        return all(
+            part(screen, x, 0, width, SIZE[1]) == part(picture, x, 0, width, SIZE[1])
+            for picture, x, width in ((finer, 0, 360), (voxel, 361, SIZE[0] - 361))
+        )
+
     wait_for("the split line does not follow the mouse", divided)
     if part(session.screen(), 360, 0, 1, SIZE[1]) != b"\xff" * 3 * SIZE[1]:
         fail("no line between the halves")
@@ -89,8 +93,10 @@ def test_switching(session):
     session.key("m")
     session.shows("errors", error)
     session.xdotool("windowsize", session.window, 400, 300)
-    wait_for("the window has no picture of another size",
-             lambda: (lambda s: s[:2] == (400, 300) and any(s[2]))(session.screen()))
+    wait_for(
+        "the window has no picture of another size",
+        lambda: (lambda s: s[:2] == (400, 300) and any(s[2]))(session.screen()),
+    )
     if os.path.exists(os.path.join(session.folder, "imgui.ini")):
         fail("a file was left")
     session.key("q")
@@ -109,11 +115,13 @@ def test_samples(session):
     session.shows("one sample while it renders without pause", once)
     session.key("b")
     between = 0
+
     def gathered():
         nonlocal between
         screen = session.screen()
         between += screen not in (once, many)
         return screen == many
+
     wait_for("the window does not gather samples", gathered)
     if not between:
         fail("samples are not shown progressively")
@@ -199,6 +207,7 @@ PANEL = 300  # width of an open panel in pixels, in windows that have room for i
 
 def test_panel_and_end(session):
     """The panel covers nothing: the entire model is next to it, as in a window of that size."""
+
     def small(name, width, height, *options):
         return session.screenshot(name, "--level", "4", *options, size=(width, height))
 
@@ -252,8 +261,10 @@ def test_wide_window(session):
 
     session.drag((line, 300), (line - 100, 300))
     pure_white = b"\xff" * 3 * (height - BAR)
-    wait_for("the line is not where it was dragged",
-             lambda: part(session.screen(), line - 100, BAR, 1, height - BAR) == pure_white)
+    wait_for(
+        "the line is not where it was dragged",
+        lambda: part(session.screen(), line - 100, BAR, 1, height - BAR) == pure_white,
+    )
     session.key("x")
     session.shows_beside_panel("one of them", alone, (PANEL, 0))
     if session.camera() != start:
@@ -320,9 +331,11 @@ def test_files(session):
 
     def shown_from_its_start(what, picture):
         """A new map keeps the camera. R resets it to the map's own view."""
+
         def shown():
             session.key("r")
             return session.screen() == picture
+
         wait_for(f"the window does not show {what}", shown)
         print(f"shows {what}")
 
@@ -335,8 +348,9 @@ def test_files(session):
     camera = session.camera()
     before = session.screen()
     drop(bumps)
-    wait_for("the map is not shown", lambda: session.title().endswith(" - box with spaces")
-             and session.screen() != before)
+    wait_for(
+        "the map is not shown", lambda: session.title().endswith(" - box with spaces") and session.screen() != before
+    )
     if session.camera() != camera:
         fail("another map moves the camera")
     shown_from_its_start("the cage with its map", rough)
@@ -354,8 +368,13 @@ def test_files(session):
     strong = session.screenshot("strong", *level, "--amplitude", "0.06", scene=(bumps, box))
     session.key("h")
     wait_for("no panel", lambda: session.screen() != rough)
-    session.mouse(("mousemove", 80, 105), ("click", "--repeat", 2, "--delay", 80, 1), ("key", "ctrl+a"),
-                  ("type", "0.06"), ("key", "Return"))
+    session.mouse(
+        ("mousemove", 80, 105),
+        ("click", "--repeat", 2, "--delay", 80, 1),
+        ("key", "ctrl+a"),
+        ("type", "0.06"),
+        ("key", "Return"),
+    )
     session.move_cursor_out()
     session.key("h")
     shown_from_its_start("another amplitude", strong)
@@ -380,8 +399,11 @@ def test_up(session):
     """A model with z up stands upright when it is opened, and a key rotates it."""
     tower, plain = (os.path.join(session.folder, name) for name in ("tower.obj", "plain.obj"))
     corners = [(x, y, z) for z, w in ((0, 1), (1, 0.5), (3, 0.3)) for x, y in ((-w, -w), (w, -w), (w, w), (-w, w))]
-    faces = [(4 * r + i + 1, 4 * r + (i + 1) % 4 + 1, 4 * r + (i + 1) % 4 + 5, 4 * r + i + 5) for r in (0, 1)
-             for i in range(4)]
+    faces = [
+        (4 * r + i + 1, 4 * r + (i + 1) % 4 + 1, 4 * r + (i + 1) % 4 + 5, 4 * r + i + 5)
+        for r in (0, 1)
+        for i in range(4)
+    ]
     for path, head in (tower, ""), (plain, "# y up\n"):
         with open(path, "w") as file:
             file.write(head)

@@ -67,9 +67,23 @@ class Session:
         read, write = os.pipe()
         self.server = subprocess.Popen(
             # without -noreset, Xvfb restarts when the last program ends, and rejects new ones meanwhile
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp",
-             "-noreset"],
-            pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            [
+                "Xvfb",
+                "-displayfd",
+                str(write),
+                "-screen",
+                "0",
+                "800x600x24",
+                "-fbdir",
+                folder,
+                "-nolisten",
+                "tcp",
+                "-noreset",
+            ],
+            pass_fds=[write],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         os.close(write)
         with os.fdopen(read) as file:
             number = file.readline().strip()
@@ -87,27 +101,43 @@ class Session:
                 process.wait()
 
     def xdotool(self, *arguments):
-        done = subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, stdout=subprocess.PIPE,
-                              stderr=subprocess.DEVNULL, text=True, check=False)
+        done = subprocess.run(
+            ["xdotool", *map(str, arguments)],
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            check=False,
+        )
         return done.stdout.strip()
 
     def screenshot(self, name, *options, scene=("--scene", "cube"), size=SIZE):
         """Returns the picture that the program writes without a window."""
         path = os.path.join(self.folder, name + ".ppm")
         environment = {k: v for k, v in self.environment.items() if k != "DISPLAY"}
-        done = subprocess.run([self.program, *scene, "--size", "%dx%d" % size, *options, "--no-window",
-                               "--output", path],
-                              env=environment, cwd=self.folder, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            [self.program, *scene, "--size", "%dx%d" % size, *options, "--no-window", "--output", path],
+            env=environment,
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
         if done.returncode:
             raise SystemExit(f"FAILED: no screenshot of {name}: {done.stderr}")
         return read_ppm(path)
 
     def render(self, *options):
         """Runs cbvh_render with a small picture."""
-        done = subprocess.run([self.renderer, *options, "--size", "16x16", "--output",
-                               os.path.join(self.folder, "rendered")],
-                              env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            [self.renderer, *options, "--size", "16x16", "--output", os.path.join(self.folder, "rendered")],
+            env=self.environment,
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
         if done.returncode:
             raise SystemExit(f"FAILED: cbvh_render {' '.join(options)}: {done.stderr}")
 
@@ -118,17 +148,26 @@ class Session:
     def start(self, *options, scene=("--scene", "cube"), size=SIZE):
         folder = Path(self.folder)
         with open(folder / "log", "w") as log, open(folder / "output", "w") as output:
-            self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % size, *options],
-                                           env=self.environment, cwd=self.folder, stdout=output, stderr=log)
+            self.viewer = subprocess.Popen(
+                [self.program, *scene, "--size", "%dx%d" % size, *options],
+                env=self.environment,
+                cwd=self.folder,
+                stdout=output,
+                stderr=log,
+            )
+
         def window():
             if self.viewer.poll() is not None:
                 raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}: {self.read('log')}")
             return self.xdotool("search", "--onlyvisible", "--name", "cbvh_viewer").split("\n")[0]
+
         self.window = wait_for("no window", window)
         self.move_cursor_out()
-        def focused(): # without a window manager
+
+        def focused():  # without a window manager
             self.xdotool("windowfocus", self.window)
             return self.xdotool("getwindowfocus", "-f") == self.window
+
         wait_for("the window does not take the focus", focused)
 
     def key(self, *keys):
@@ -161,8 +200,10 @@ class Session:
         """Returns (eye, target) as printed by the window."""
         before = self.read("output")
         self.key("c")
-        line = wait_for("the camera is not printed",
-                        lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")))
+        line = wait_for(
+            "the camera is not printed",
+            lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")),
+        )
         numbers = [float(n) for n in line.split("\n")[-2].split()[1].split(",")]
         return numbers[:3], numbers[3:6]
 
@@ -178,10 +219,12 @@ class Session:
     def shows_beside_panel(self, what, picture, place):
         """Waits until the window shows the picture at a position (x, y), and anything in the rest."""
         x, y = place
+
         def shown():
             width, height, pixels = self.screen()
             rows = (3 * (row * width + x) for row in range(y, y + picture[1]))
             return b"".join(pixels[at : at + 3 * picture[0]] for at in rows) == picture[2]
+
         wait_for(f"the window does not show {what} next to the panel", shown)
         print(f"shows {what} next to the panel")
 

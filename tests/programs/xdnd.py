@@ -33,8 +33,9 @@ class _Source:
 
     def send(self, kind, *data):
         data = (list(data) + [0] * 4)[:4]
-        message = event.ClientMessage(window=self.target, client_type=self.atom(kind),
-                                      data=(32, [self.window.id, *data]))
+        message = event.ClientMessage(
+            window=self.target, client_type=self.atom(kind), data=(32, [self.window.id, *data])
+        )
         self.target.send_event(message)
         self.connection.flush()
 
@@ -63,8 +64,14 @@ class _Source:
         self.send("XdndDrop", 0, X.CurrentTime)
         request = self.wait_for(lambda e: e.type == X.SelectionRequest and e.target == uri_list)
         request.requestor.change_property(request.property, uri_list, 8, self.uris)
-        request.requestor.send_event(event.SelectionNotify(time=request.time, requestor=request.requestor,
-                                                           selection=selection, target=uri_list,
-                                                           property=request.property))
+        request.requestor.send_event(
+            event.SelectionNotify(
+                time=request.time,
+                requestor=request.requestor,
+                selection=selection,
+                target=uri_list,
+                property=request.property,
+            )
+        )
         self.connection.flush()
         self.message("XdndFinished")

@@ -48,16 +48,39 @@ class Cages(unittest.TestCase):
 
     def test_arrays_of_a_file_give_the_same_cage(self):
         a = self.load(CUBE)
-        b = cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=a.uv_indices,
-                      crease_edges=a.crease_edges, crease_sharpness=a.crease_sharpness,
-                      corner_vertices=a.corner_vertices,
-                      corner_sharpness=a.corner_sharpness, holes=a.holes, boundary=a.boundary, name=a.name)
+        b = cbvh.Cage(
+            a.vertices,
+            a.indices,
+            a.face_vertex_counts,
+            uvs=a.uvs,
+            uv_indices=a.uv_indices,
+            crease_edges=a.crease_edges,
+            crease_sharpness=a.crease_sharpness,
+            corner_vertices=a.corner_vertices,
+            corner_sharpness=a.corner_sharpness,
+            holes=a.holes,
+            boundary=a.boundary,
+            name=a.name,
+        )
         np.testing.assert_array_equal(a.crease_edges, [[0, 1]])
         np.testing.assert_array_equal(a.crease_sharpness, [2.5])
         np.testing.assert_array_equal(a.corner_vertices, [6])
         self.assertEqual(a.boundary, "edge_and_corner")
-        for name in ("vertices", "indices", "face_vertex_counts", "uvs", "uv_indices", "crease_edges",
-                     "crease_sharpness", "corner_vertices", "corner_sharpness", "holes", "boundary", "name", "bounds"):
+        for name in (
+            "vertices",
+            "indices",
+            "face_vertex_counts",
+            "uvs",
+            "uv_indices",
+            "crease_edges",
+            "crease_sharpness",
+            "corner_vertices",
+            "corner_sharpness",
+            "holes",
+            "boundary",
+            "name",
+            "bounds",
+        ):
             np.testing.assert_array_equal(getattr(a, name), getattr(b, name), name)
         of_a, of_b = (cbvh.Model(cage).tessellate(3)[0] for cage in (a, b))
         np.testing.assert_array_equal(of_a, of_b)
@@ -66,8 +89,15 @@ class Cages(unittest.TestCase):
         of_file = self.load(CUBE.replace(" 0 1 2.5", " 0 1 10").replace(" 6 3", " 6 10"))
 
         def surface(sharpness):
-            cage = cbvh.Cage(of_file.vertices, of_file.indices, of_file.face_vertex_counts, crease_edges=[[0, 1]],
-                             crease_sharpness=sharpness, corner_vertices=[6], corner_sharpness=[sharpness])
+            cage = cbvh.Cage(
+                of_file.vertices,
+                of_file.indices,
+                of_file.face_vertex_counts,
+                crease_edges=[[0, 1]],
+                crease_sharpness=sharpness,
+                corner_vertices=[6],
+                corner_sharpness=[sharpness],
+            )
             return cbvh.Model(cage).tessellate(3)[0]
 
         hard = surface(np.inf)
@@ -84,8 +114,10 @@ class Cages(unittest.TestCase):
         np.testing.assert_array_equal(a.uv_indices[:8], [0, 1, 2, 3, none, none, none, none])
         np.testing.assert_array_equal(a.uv_indices, b.uv_indices)
         cbvh.Model(b).tessellate(1)
-        for cage, text in ((a, r"cube.obj:14: .*texture coordinates.*\bheight\b.* 1 .*\b6\b"),
-                           (b, r"texture coordinates.*\bheight\b.* 1 .*\b6\b")):
+        for cage, text in (
+            (a, r"cube.obj:14: .*texture coordinates.*\bheight\b.* 1 .*\b6\b"),
+            (b, r"texture coordinates.*\bheight\b.* 1 .*\b6\b"),
+        ):
             with self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model(cage, np.zeros((4, 4)))
         with self.assertRaisesRegex(ValueError, "uv_indices: face 0 .*corners"):
@@ -97,8 +129,9 @@ class Cages(unittest.TestCase):
         edges = [[0, 1], [1, 2], [2, 3], [3, 0]]
         smooth, hard, soft = ({}, {"crease_edges": edges}, {"crease_edges": edges, "crease_sharpness": 0.5})
         cube = self.load(CUBE)
-        cages = [cbvh.Cage(cube.vertices, cube.indices, cube.face_vertex_counts, **tags)
-                 for tags in (smooth, soft, hard)]
+        cages = [
+            cbvh.Cage(cube.vertices, cube.indices, cube.face_vertex_counts, **tags) for tags in (smooth, soft, hard)
+        ]
         tops = [cbvh.build(cage, "grid", 4).bounds[1, 2] for cage in cages]
         self.assertLess(tops[0], tops[1])
         self.assertLess(tops[1], tops[2])
@@ -112,9 +145,11 @@ class Cages(unittest.TestCase):
     def test_all_number_types_are_accepted(self):
         vertices, faces = sheet_arrays()
         plain = cbvh.Cage(vertices, faces)
-        for v, f in ((vertices.astype(np.float32), faces.astype(np.int8)),
-                     (np.asfortranarray(vertices), faces.tolist()),
-                     (np.repeat(vertices, 2, 0)[::2], np.asfortranarray(faces.astype(np.uint64)))):
+        for v, f in (
+            (vertices.astype(np.float32), faces.astype(np.int8)),
+            (np.asfortranarray(vertices), faces.tolist()),
+            (np.repeat(vertices, 2, 0)[::2], np.asfortranarray(faces.astype(np.uint64))),
+        ):
             cage = cbvh.Cage(v, f)
             np.testing.assert_array_equal(cage.vertices, plain.vertices)
             np.testing.assert_array_equal(cage.indices, plain.indices)
@@ -132,36 +167,56 @@ class Cages(unittest.TestCase):
         nan = vertices.copy()
         nan[3, 1] = np.nan
         for error, text, arguments, options in (
-                (ValueError, r"vertices: .*\(9, 2\).*\(n, 3\)", (vertices[:, :2], faces), {}),
-                (ValueError, "vertices: row 3 .*finite", (nan, faces), {}),
-                (TypeError, "vertices: .*complex128", (vertices + 1j, faces), {}),
-                (TypeError, "vertices: .*<U1", ("x", faces), {}),
-                (TypeError, "vertices: .*array", ([[1, 2], [3]], faces), {}),
-                (TypeError, "indices: .*float64.*integers", (vertices, faces * 1.0), {}),
-                (ValueError, "indices: .* -1.* 0 to 8", (vertices, faces - 1), {}),
-                (ValueError, "indices: .* 9.* 0 to 8", (vertices, faces + 1), {}),
-                (ValueError, "indices: .* 18446744073709551615.* 0 to 8",
-                 (vertices, np.full(faces.shape, 2**64 - 1, np.uint64)), {}),
-                (ValueError, r"indices: .*\(16,\)", (vertices, flat), {}),
-                (ValueError, r"indices: .*\(0,\)", (vertices, []), {}),
-                (ValueError, "indices: .*no faces", (vertices, [], []), {}),
-                (ValueError, "face_vertex_counts: .* 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
-                (ValueError, "face_vertex_counts: face 1 .* 2 ", (vertices, flat, [4, 2, 4, 6]), {}),
-                (ValueError, "uvs: .* 4 .*vertex, 9", (vertices, faces), {"uvs": np.zeros((4, 2))}),
-                (ValueError, "^uv_indices: .*uvs", (vertices, faces), {"uv_indices": flat}),
-                (ValueError, "uv_indices: .* 4 .*indices, 16", (vertices, faces),
-                 {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),
-                (ValueError, r"crease_edges: .*\(3,\).*\(n, 2\)", (vertices, faces),
-                 {"crease_edges": [0, 1, 2]}),
-                (ValueError, "crease_sharpness: .* 2 .* 1", (vertices, faces),
-                 {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]}),
-                (ValueError, "corner_sharpness: .* -1", (vertices, faces),
-                 {"corner_vertices": [0], "corner_sharpness": -1}),
-                (ValueError, "holes: .* 4.* 0 to 3", (vertices, faces), {"holes": [4]}),
-                (ValueError, "boundary: .*'round'.*'none'.*'edge_and_corner'.*'edge_only'", (vertices, faces),
-                 {"boundary": "round"}),
-                (cbvh.Error, "mine: face 1 .*vertex 1 ", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
-                (cbvh.Error, "mine: .* 16 .* 1024 ", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
+            (ValueError, r"vertices: .*\(9, 2\).*\(n, 3\)", (vertices[:, :2], faces), {}),
+            (ValueError, "vertices: row 3 .*finite", (nan, faces), {}),
+            (TypeError, "vertices: .*complex128", (vertices + 1j, faces), {}),
+            (TypeError, "vertices: .*<U1", ("x", faces), {}),
+            (TypeError, "vertices: .*array", ([[1, 2], [3]], faces), {}),
+            (TypeError, "indices: .*float64.*integers", (vertices, faces * 1.0), {}),
+            (ValueError, "indices: .* -1.* 0 to 8", (vertices, faces - 1), {}),
+            (ValueError, "indices: .* 9.* 0 to 8", (vertices, faces + 1), {}),
+            (
+                ValueError,
+                "indices: .* 18446744073709551615.* 0 to 8",
+                (vertices, np.full(faces.shape, 2**64 - 1, np.uint64)),
+                {},
+            ),
+            (ValueError, r"indices: .*\(16,\)", (vertices, flat), {}),
+            (ValueError, r"indices: .*\(0,\)", (vertices, []), {}),
+            (ValueError, "indices: .*no faces", (vertices, [], []), {}),
+            (ValueError, "face_vertex_counts: .* 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
+            (ValueError, "face_vertex_counts: face 1 .* 2 ", (vertices, flat, [4, 2, 4, 6]), {}),
+            (ValueError, "uvs: .* 4 .*vertex, 9", (vertices, faces), {"uvs": np.zeros((4, 2))}),
+            (ValueError, "^uv_indices: .*uvs", (vertices, faces), {"uv_indices": flat}),
+            (
+                ValueError,
+                "uv_indices: .* 4 .*indices, 16",
+                (vertices, faces),
+                {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]},
+            ),
+            (ValueError, r"crease_edges: .*\(3,\).*\(n, 2\)", (vertices, faces), {"crease_edges": [0, 1, 2]}),
+            (
+                ValueError,
+                "crease_sharpness: .* 2 .* 1",
+                (vertices, faces),
+                {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]},
+            ),
+            (
+                ValueError,
+                "corner_sharpness: .* -1",
+                (vertices, faces),
+                {"corner_vertices": [0], "corner_sharpness": -1},
+            ),
+            (ValueError, "holes: .* 4.* 0 to 3", (vertices, faces), {"holes": [4]}),
+            (
+                ValueError,
+                "boundary: .*'round'.*'none'.*'edge_and_corner'.*'edge_only'",
+                (vertices, faces),
+                {"boundary": "round"},
+            ),
+            (cbvh.Error, "mine: face 1 .*vertex 1 ", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
+            (cbvh.Error, "mine: .* 16 .* 1024 ", (np.eye(17, 3), [range(17)]), {"name": "mine"}),
+        ):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Cage(*arguments, **options)
 

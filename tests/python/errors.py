@@ -45,8 +45,10 @@ class Errors(unittest.TestCase):
     def test_true_errors_decrease_with_the_level(self):
         model = self.grid.model
         coarse, fine = (cbvh.build(model, "grid", level) for level in (3, 5))
-        medians = [scene.true_errors(scene.intersect(*self.rays), *self.rays, self.camera.pixel_size, count=500)
-                   for scene in (coarse, fine)]
+        medians = [
+            scene.true_errors(scene.intersect(*self.rays), *self.rays, self.camera.pixel_size, count=500)
+            for scene in (coarse, fine)
+        ]
         self.assertEqual([m["hits"] for m in medians], [500, 500])
         self.assertLess(medians[1]["median_pixels"], medians[0]["median_pixels"])
 
@@ -56,14 +58,16 @@ class Errors(unittest.TestCase):
         wrong = other.intersect(*self.rays)
         few = self.grid.intersect(*(a[0] for a in self.rays))
         for text, call in (
-                ("hits: .*model.* 25 faces.* 6", lambda: self.grid.compare(wrong, wrong, pixel_size)),
-                ("reference: .*model.* 25 faces", lambda: self.grid.compare(self.hits, wrong, pixel_size)),
-                ("reference: .* 160 rays.* 19200.*hits",
-                 lambda: self.grid.compare(self.hits, few, pixel_size)),
-                ("reference: .* 160 rays", lambda: cbvh.pixel_errors(self.hits, few, pixel_size)),
-                ("pixel_size: .* 0.* 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),
-                ("hits: .* 160 rays.* 19200.*origins.*directions",
-                 lambda: self.grid.true_errors(few, *self.rays, pixel_size))):
+            ("hits: .*model.* 25 faces.* 6", lambda: self.grid.compare(wrong, wrong, pixel_size)),
+            ("reference: .*model.* 25 faces", lambda: self.grid.compare(self.hits, wrong, pixel_size)),
+            ("reference: .* 160 rays.* 19200.*hits", lambda: self.grid.compare(self.hits, few, pixel_size)),
+            ("reference: .* 160 rays", lambda: cbvh.pixel_errors(self.hits, few, pixel_size)),
+            ("pixel_size: .* 0.* 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),
+            (
+                "hits: .* 160 rays.* 19200.*origins.*directions",
+                lambda: self.grid.true_errors(few, *self.rays, pixel_size),
+            ),
+        ):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 call()
 

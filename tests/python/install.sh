@@ -13,7 +13,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LD_LIBRARY_PATH EMBREE_CBVH
 
-"$cmake" --install "$build" --prefix "$work/first" > "$work/log" || { cat "$work/log"; exit 1; }
+"$cmake" --install "$build" --prefix "$work/first" > "$work/log" || {
+  cat "$work/log"
+  exit 1
+}
 mv "$work/first" "$work/prefix"
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/compare_representations.py" ]
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/skin_triangles.py" ]

@@ -108,6 +108,7 @@ class Interrupts(unittest.TestCase):
             def report(_, fraction):
                 last.append(fraction)
                 started()
+
             return report
 
         self.interrupt(lambda started: cbvh.build(model, **LONG, progress=progress(started)))
@@ -182,10 +183,13 @@ for _ in range(3):
     threading.Thread(target=work, daemon=True).start()
 begun.wait()
 time.sleep(float(sys.argv[1]))
-""" % os.path.dirname(os.path.abspath(__file__))
+""" % os.path.dirname(
+            os.path.abspath(__file__)
+        )
         for seconds in ("0", "0.02", "0.3"):
-            done = subprocess.run([sys.executable, "-B", "-c", program, seconds], capture_output=True, text=True,
-                                  timeout=120)
+            done = subprocess.run(
+                [sys.executable, "-B", "-c", program, seconds], capture_output=True, text=True, timeout=120
+            )
             self.assertEqual((done.returncode, done.stderr), (0, ""), seconds)
 
 

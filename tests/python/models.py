@@ -98,17 +98,18 @@ class Heights(unittest.TestCase):
         nan = np.zeros((4, 4))
         nan[2, 1] = np.inf
         for error, text, arguments, *options in (
-                (ValueError, r"height: .*\(4,\).*\(rows, columns\)", (np.zeros(4),)),
-                (ValueError, r"height: .*\(0, 4\)", (np.zeros((0, 4)),)),
-                (ValueError, "height: row 2, column 1 .*finite", (nan,)),
-                (ValueError, "height: .*masked", (np.ma.masked_equal(np.eye(4), 0),)),
-                (ValueError, "wrap: .*mirror.*clamp.*repeat.*black", (np.eye(4),), {"wrap": "mirror"}),
-                (TypeError, "height: .*complex128", (np.zeros((4, 4), complex),)),
-                (ValueError, "^amplitude: .*height", (None, 1.0)),
-                (ValueError, "amplitude: .*finite", (np.zeros((4, 4)), np.nan)),
-                (cbvh.Error, r"^amplitude 1e\+38 .*large.*e\+16 ", (np.zeros((4, 4)), 1e38)),
-                (cbvh.Error, r"^amplitude -1e\+18 .*large.*e\+16 ", (np.zeros((4, 4)), -1e18)),
-                (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
+            (ValueError, r"height: .*\(4,\).*\(rows, columns\)", (np.zeros(4),)),
+            (ValueError, r"height: .*\(0, 4\)", (np.zeros((0, 4)),)),
+            (ValueError, "height: row 2, column 1 .*finite", (nan,)),
+            (ValueError, "height: .*masked", (np.ma.masked_equal(np.eye(4), 0),)),
+            (ValueError, "wrap: .*mirror.*clamp.*repeat.*black", (np.eye(4),), {"wrap": "mirror"}),
+            (TypeError, "height: .*complex128", (np.zeros((4, 4), complex),)),
+            (ValueError, "^amplitude: .*height", (None, 1.0)),
+            (ValueError, "amplitude: .*finite", (np.zeros((4, 4)), np.nan)),
+            (cbvh.Error, r"^amplitude 1e\+38 .*large.*e\+16 ", (np.zeros((4, 4)), 1e38)),
+            (cbvh.Error, r"^amplitude -1e\+18 .*large.*e\+16 ", (np.zeros((4, 4)), -1e18)),
+            (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",)),
+        ):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Model(sheet(), *arguments, **(options[0] if options else {}))
         with self.assertRaisesRegex(cbvh.Error, r"^mid_level 1e\+38 .*large.*e\+19 "):
@@ -171,10 +172,12 @@ class Scenes(unittest.TestCase):
         self.assertLess(flat[1, 0], spiky[1, 0])
 
     def test_invalid_options_are_reported_by_their_python_names(self):
-        for text, name, options in ((r"(?<!-)\bscene 'cow'.*cube", "cow", {}),
-                                    ("^rough .*scene trex", "cube", {"rough": True}),
-                                    ("^count .*scene herd", "cube", {"count": 3}),
-                                    (r"(?<!-)\bmapping 'sphere'.*faces.*atlas", "trex", {"mapping": "sphere"})):
+        for text, name, options in (
+            (r"(?<!-)\bscene 'cow'.*cube", "cow", {}),
+            ("^rough .*scene trex", "cube", {"rough": True}),
+            ("^count .*scene herd", "cube", {"count": 3}),
+            (r"(?<!-)\bmapping 'sphere'.*faces.*atlas", "trex", {"mapping": "sphere"}),
+        ):
             with self.subTest(text), self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model.generate(name, **options)
 
@@ -187,10 +190,13 @@ class Scenes(unittest.TestCase):
             with self.assertRaises(LookupError):
                 cbvh.Model.generate("trex", map_folder=folder, progress=enough)
             self.assertEqual(os.listdir(folder), [])
-            code = ("import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
-                    "try: c.Model.generate('trex', progress=stop)\nexcept LookupError: pass")
-            subprocess.run([sys.executable, "-B", "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder},
-                           check=True)
+            code = (
+                "import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
+                "try: c.Model.generate('trex', progress=stop)\nexcept LookupError: pass"
+            )
+            subprocess.run(
+                [sys.executable, "-B", "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder}, check=True
+            )
             self.assertEqual(os.listdir(folder), ["embree-cbvh"])
         with self.assertRaisesRegex(cbvh.Error, "/dev/null"):
             cbvh.Model.generate("trex", map_folder="/dev/null/maps")

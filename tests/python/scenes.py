@@ -68,8 +68,9 @@ class Motion(unittest.TestCase):
                 with self.subTest(name, poses=poses):
                     scene = cbvh.build(rising_model(poses), name, 4)
                     np.testing.assert_allclose(scene.intersect(origins, directions).t, 1, atol=1e-5)
-                    np.testing.assert_allclose(scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times,
-                                               atol=1e-5)
+                    np.testing.assert_allclose(
+                        scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times, atol=1e-5
+                    )
                     reached = scene.occluded(origins, directions, tfar=0.75, time=times)
                     np.testing.assert_array_equal(reached[times > 0.501], True)
                     np.testing.assert_array_equal(reached[times < 0.499], False)
@@ -147,10 +148,13 @@ class Rays(unittest.TestCase):
         origins, directions = rays_from_above()
         expected = self.scene.intersect(origins, directions)
         self.assertGreater(np.ptp(expected.t), 0.01)
-        for o, d in ((origins.astype(np.float64), directions),
-                     (np.asfortranarray(origins), np.asfortranarray(directions)),
-                     (np.repeat(origins, 2, 1)[:, ::2], directions.astype(np.int64)), (origins.tolist(), (0, 0, -1)),
-                     (origins, directions.astype(">f4"))):
+        for o, d in (
+            (origins.astype(np.float64), directions),
+            (np.asfortranarray(origins), np.asfortranarray(directions)),
+            (np.repeat(origins, 2, 1)[:, ::2], directions.astype(np.int64)),
+            (origins.tolist(), (0, 0, -1)),
+            (origins, directions.astype(">f4")),
+        ):
             hits = self.scene.intersect(o, d)
             self.assertEqual(hits.shape, (24, 24))
             np.testing.assert_array_equal(hits.t, expected.t)
@@ -186,12 +190,12 @@ class Rays(unittest.TestCase):
     def test_invalid_arrays_are_reported_by_name(self):
         scene = self.scene
         for error, text, arguments in (
-                (ValueError, r"origins: .*\(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
-                (ValueError, r"directions: .*\(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
-                (ValueError, r"origins .*\(2,\).*directions .*\(3,\)",
-                 (np.zeros((2, 3)), np.ones((3, 3)))),
-                (TypeError, "tfar: .*<U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
-                (TypeError, "origins: .*object", (None, [0, 0, 1]))):
+            (ValueError, r"origins: .*\(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
+            (ValueError, r"directions: .*\(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
+            (ValueError, r"origins .*\(2,\).*directions .*\(3,\)", (np.zeros((2, 3)), np.ones((3, 3)))),
+            (TypeError, "tfar: .*<U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
+            (TypeError, "origins: .*object", (None, [0, 0, 1])),
+        ):
             for query in (scene.intersect, scene.occluded):
                 with self.subTest(text), self.assertRaisesRegex(error, text):
                     query(*arguments)
@@ -249,13 +253,15 @@ class Building(unittest.TestCase):
         self.assertEqual(label("Leaf-only:1"), "cLEAF-only^1")
         self.assertEqual(label("cVoxel^3", frame_level=1), "cVOXEL^3")
         self.assertEqual(label("cgrid", frame_level="auto"), "cGRID")
-        blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"]
-                  for n in (0, 1, 2)]
+        blocks = [
+            cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"] for n in (0, 1, 2)
+        ]
         self.assertEqual(blocks, [25, 100, 400])
 
     def test_fallback_faces_are_selected_by_name(self):
-        exact = lambda name: cbvh.build(cbvh.Model.generate("cube"), name,
-                                        3).statistics()["compression"]["fallback_quads_share"]
+        exact = lambda name: cbvh.build(cbvh.Model.generate("cube"), name, 3).statistics()["compression"][
+            "fallback_quads_share"
+        ]
         self.assertGreater(exact("cleaf"), 0)
         self.assertEqual(exact("cleaf-only"), 0)
         with self.assertRaises(TypeError):
@@ -272,17 +278,18 @@ class Building(unittest.TestCase):
 
     def test_invalid_arguments_are_reported_by_name(self):
         for error, text, options in (
-                (cbvh.Error, r"(?<!-)\brepresentation 'cmesh'.*naive", {"representation": "cmesh"}),
-                (ValueError, "representation: .*'grid,cvert'.*several", {"representation": "grid,cvert"}),
-                (cbvh.Error, "^level 9 .* 0 to 8", {"level": 9}),
-                (cbvh.Error, "^level -1 .* 0 to 8", {"level": -1}),
-                (cbvh.Error, "frame level '9'.* 0 to 8.*auto", {"representation": "cleaf", "frame_level": 9}),
-                (ValueError, "max_error: .*-1", {"max_error": -1}),
-                (ValueError, "^max_pixel_error: .*camera", {"max_pixel_error": 1}),
-                (cbvh.Error, "^threads -1 ", {"threads": -1}),
-                (cbvh.Error, r"(?<!-)\bisa 'neon'", {"isa": "neon"}),
-                (cbvh.Error, r"(?<!-)\bdevice 'abacus'.*cpu.*vulkan.*ray-query", {"device": "abacus"}),
-                (TypeError, "progress: .*None .*callable", {"progress": 3})):
+            (cbvh.Error, r"(?<!-)\brepresentation 'cmesh'.*naive", {"representation": "cmesh"}),
+            (ValueError, "representation: .*'grid,cvert'.*several", {"representation": "grid,cvert"}),
+            (cbvh.Error, "^level 9 .* 0 to 8", {"level": 9}),
+            (cbvh.Error, "^level -1 .* 0 to 8", {"level": -1}),
+            (cbvh.Error, "frame level '9'.* 0 to 8.*auto", {"representation": "cleaf", "frame_level": 9}),
+            (ValueError, "max_error: .*-1", {"max_error": -1}),
+            (ValueError, "^max_pixel_error: .*camera", {"max_pixel_error": 1}),
+            (cbvh.Error, "^threads -1 ", {"threads": -1}),
+            (cbvh.Error, r"(?<!-)\bisa 'neon'", {"isa": "neon"}),
+            (cbvh.Error, r"(?<!-)\bdevice 'abacus'.*cpu.*vulkan.*ray-query", {"device": "abacus"}),
+            (TypeError, "progress: .*None .*callable", {"progress": 3}),
+        ):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.build(sheet(), **options)
         with self.assertRaises(TypeError):
@@ -335,13 +342,15 @@ class Cameras(unittest.TestCase):
         self.assertEqual(len(cbvh.bounce_rays(hits, origins, directions, offset=0, count=7)[0]), 7)
 
     def test_invalid_arguments_are_reported_by_name(self):
-        for text, arguments in (("look_at: .*eye", ((0, 0, 0), (0, 0, 0))),
-                                (r"eye: .*\(2,\)", ((0, 0), (0, 0, 1))),
-                                ("eye: .*finite", ((0, 0, np.nan), (0, 0, 1))),
-                                ("look_at: .*1e.30", ((0, 0, 1e30), (0, 0, 0))),
-                                ("up: .* 0:", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
-                                ("fov: .* 180.* 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
-                                (r"size: .*\(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3)))):
+        for text, arguments in (
+            ("look_at: .*eye", ((0, 0, 0), (0, 0, 0))),
+            (r"eye: .*\(2,\)", ((0, 0), (0, 0, 1))),
+            ("eye: .*finite", ((0, 0, np.nan), (0, 0, 1))),
+            ("look_at: .*1e.30", ((0, 0, 1e30), (0, 0, 0))),
+            ("up: .* 0:", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
+            ("fov: .* 180.* 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
+            (r"size: .*\(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3))),
+        ):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 cbvh.Camera(*arguments)
         scene = cbvh.build(sheet(), "grid", 3)

@@ -48,8 +48,12 @@ def plates(count, cells):
     width = cells + 1
     corner = (np.arange(cells)[:, None] * width + np.arange(cells)).reshape(-1)
     quads = np.stack([corner, corner + 1, corner + width + 1, corner + width], axis=-1)
-    around = [*range(width), *range(2 * width - 1, width * width, width), *range(width * width - 2, width * cells, -1),
-              *range(width * cells, 0, -width)]
+    around = [
+        *range(width),
+        *range(2 * width - 1, width * width, width),
+        *range(width * width - 2, width * cells, -1),
+        *range(width * cells, 0, -width),
+    ]
     walls = [[a, b, b + width * width, a + width * width] for a, b in zip(around, around[1:] + around[:1])]
     quads = np.concatenate([quads[:, ::-1], quads + width * width, walls])
     faces = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
@@ -182,8 +186,10 @@ class Queries(unittest.TestCase):
             middles = n + np.arange(len(faces))
             slivers = [np.stack([faces[:, 0], middles, faces[:, 1]], axis=-1), faces[:, [0, 1, 1]], faces[:, [2, 2, 2]]]
             needles = np.stack([faces[:, 0], middles + len(faces), faces[:, 1]], axis=-1)
-            mesh = StandIn(vertices=np.concatenate([vertices, (a + b) / 2, (a + b) / 2 + 1e-9 * (c - a)]),
-                           faces=np.concatenate([faces, *slivers, needles]))
+            mesh = StandIn(
+                vertices=np.concatenate([vertices, (a + b) / 2, (a + b) / 2 + 1e-9 * (c - a)]),
+                faces=np.concatenate([faces, *slivers, needles]),
+            )
             engine = RayMeshIntersector(mesh)
             rng = np.random.default_rng(11)
             weights = rng.uniform(0, 1, (len(faces), 1))

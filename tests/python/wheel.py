@@ -21,8 +21,16 @@ sys.path.insert(0, str(ROOT / "scripts/packaging"))
 
 
 def run(*command, folder, **options):
-    result = subprocess.run(command, cwd=folder, env=dict(ENVIRONMENT, HOME=folder), stdout=subprocess.PIPE,
-                            stderr=subprocess.STDOUT, encoding="utf-8", check=False, **options)
+    result = subprocess.run(
+        command,
+        cwd=folder,
+        env=dict(ENVIRONMENT, HOME=folder),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        encoding="utf-8",
+        check=False,
+        **options,
+    )
     if result.returncode:
         sys.exit(f"FAILED: {' '.join(map(str, command))}\n{result.stdout}")
     return result.stdout
@@ -46,8 +54,11 @@ def main():
     folder, version = str(pathlib.Path(sys.argv[1]).resolve()), sys.argv[2]
     interpreter = f"cp{sys.version_info.major}{sys.version_info.minor}"
     # embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_x86_64.whl
-    wheels = [wheel for wheel in sorted(pathlib.Path(folder).glob(f"embree_cbvh-{version}-*.whl"))
-              if interpreter in wheel.name.split("-")[2].split(".")]
+    wheels = [
+        wheel
+        for wheel in sorted(pathlib.Path(folder).glob(f"embree_cbvh-{version}-*.whl"))
+        if interpreter in wheel.name.split("-")[2].split(".")
+    ]
     if not wheels:
         print(f"skipped: no wheel embree_cbvh-{version} for {interpreter} in {folder}, see scripts/wheel.sh")
         sys.exit(SKIPPED)
@@ -60,8 +71,18 @@ def main():
         run(sys.executable, "-m", "venv", "--system-site-packages", "environment", folder=work)
         environment = pathlib.Path(work, "environment")
         python = environment / "bin/python"
-        run(python, "-m", "pip", "install", "--no-index", "--no-deps", "--find-links", folder,
-            f"embree-cbvh=={version}", folder=work)
+        run(
+            python,
+            "-m",
+            "pip",
+            "install",
+            "--no-index",
+            "--no-deps",
+            "--find-links",
+            folder,
+            f"embree-cbvh=={version}",
+            folder=work,
+        )
         shown = run(python, "-m", "pip", "show", "embree-cbvh", folder=work)
         assert "License: Apache-2.0\n" in shown and "Requires: numpy\n" in shown, shown
         package = next(environment.glob("lib/python3.*/site-packages/embree_cbvh"))
@@ -77,8 +98,19 @@ def main():
         library = pathlib.Path(shown.strip().rpartition(", ")[2]).resolve()
         assert version in shown and library.parent == package / "lib", shown
         assert library.name.startswith("libembree_cbvh-"), shown
-        run(environment / "bin/cbvh_render", "--scene", "cube", "--level", "3", "--size", "64x48", "--exr",
-            "--output", "pictures", folder=work)
+        run(
+            environment / "bin/cbvh_render",
+            "--scene",
+            "cube",
+            "--level",
+            "3",
+            "--size",
+            "64x48",
+            "--exr",
+            "--output",
+            "pictures",
+            folder=work,
+        )
         pictures = sorted(path.suffix for path in pathlib.Path(work, "pictures").iterdir())
         assert ".png" in pictures and ".exr" in pictures, pictures
         run(python, "-m", "pip", "uninstall", "-y", "embree-cbvh", folder=work)

@@ -10,8 +10,7 @@ namespace cbvh::test {
 
 // Runs the closure in a child process, which a signal may end. Returns its status as waitpid does.
 template<typename Closure>
-int statusOfChild(const Closure& closure)
-{
+int statusOfChild(const Closure& closure) {
   const pid_t child = fork();
   if (child == 0) _exit(closure());
   int status = 0;

@@ -17,19 +17,19 @@ namespace cbvh::test {
 
 using namespace embree::cbvh;
 
-struct Form { bool fused, mirrored; };
+struct Form {
+  bool fused, mirrored;
+};
 constexpr Form forms[4] = {{false, false}, {true, false}, {false, true}, {true, true}};
 
-inline float madd(bool fused, float a, float b, float c)
-{
+inline float madd(bool fused, float a, float b, float c) {
   if (fused) return std::fma(a, b, c);
-  const volatile float product = a*b; // volatile prevents the compiler from fusing
+  const volatile float product = a * b; // volatile prevents the compiler from fusing
   return product + c;
 }
 
 // Bounds that a traversal of one variant decodes; in mirrored coordinates if it mirrors.
-inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent)
-{
+inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent) {
   NodeBox box;
   for (int axis = 0; axis < 3; axis++) {
     float lower, upper;
@@ -52,8 +52,7 @@ inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent
 }
 
 // The outer planes of a lattice, with the height of its parent.
-inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
-{
+inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent) {
   NodeBox box = parent;
   for (int axis = 0; axis < 2; axis++) {
     const uint32_t bits = word >> latticeShift(axis);
@@ -67,8 +66,7 @@ inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
 }
 
 // True if `box` contains `exact`, which is not mirrored. Adds as traversal does.
-inline bool contains(Form form, const NodeBox& box, const ExactBox& exact)
-{
+inline bool contains(Form form, const NodeBox& box, const ExactBox& exact) {
   for (int axis = 0; axis < 3; axis++) {
     const double lower = form.mirrored ? 1 - exact.upper[axis] : exact.lower[axis];
     const double upper = form.mirrored ? 1 - exact.lower[axis] : exact.upper[axis];

@@ -19,14 +19,13 @@ namespace cbvh::test {
 typedef std::function<float(Random&)> DrawRate;
 
 // One rate per index of the faces, equal on both sides of each edge.
-inline std::vector<float> drawRates(const Cage& cage, Random& random, const DrawRate& draw)
-{
+inline std::vector<float> drawRates(const Cage& cage, Random& random, const DrawRate& draw) {
   std::map<std::pair<unsigned, unsigned>, float> rateOf;
   std::vector<float> rates;
   size_t begin = 0;
   for (unsigned n : cage.faces) {
     for (unsigned i = 0; i < n; i++) {
-      const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i + 1)%n];
+      const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i + 1) % n];
       const auto edge = std::minmax(a, b);
       if (!rateOf.count(edge)) rateOf[edge] = draw(random);
       rates.push_back(rateOf[edge]);
@@ -47,22 +46,21 @@ const struct { const char* name; DrawRate draw; } rateSets[] = {
 };
 // clang-format on
 
-inline Cage creasedCube()
-{
+inline Cage creasedCube() {
   Cage cage = cubeCage();
-  cage.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  cage.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
   cage.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
   return cage;
 }
 
-const struct { const char* name; Cage cage; } closedCages[] = {
-  {"cube", cubeCage()}, {"triangles", prismCage(3)}, {"pentagons", prismCage(5)}, {"heptagons", prismCage(7)},
-  {"valence 9", trapezohedronCage(9)}, {"creases", creasedCube()},
+const struct {
+  const char* name;
+  Cage cage;
+} closedCages[] = {
+    {"cube", cubeCage()},        {"triangles", prismCage(3)},         {"pentagons", prismCage(5)},
+    {"heptagons", prismCage(7)}, {"valence 9", trapezohedronCage(9)}, {"creases", creasedCube()},
 };
 
-inline std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
-{
-  return kindName(info.param);
-}
+inline std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
 
 } // namespace cbvh::test

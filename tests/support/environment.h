@@ -7,8 +7,7 @@
 
 namespace cbvh::test {
 
-class Environment
-{
+class Environment {
 public:
   explicit Environment(const char* value) { setenv("EMBREE_CBVH", value, 1); }
   ~Environment() { unsetenv("EMBREE_CBVH"); }

@@ -23,8 +23,7 @@ inline std::atomic<unsigned> renameCalls{0};
 
 } // namespace cbvh::test
 
-extern "C" ssize_t write(int file, const void* data, size_t bytes)
-{
+extern "C" ssize_t write(int file, const void* data, size_t bytes) {
   using cbvh::test::bytesUntilKill;
   if (bytesUntilKill >= 0 && long(bytes) > bytesUntilKill) {
     (void)!syscall(SYS_write, file, data, size_t(bytesUntilKill));
@@ -34,14 +33,12 @@ extern "C" ssize_t write(int file, const void* data, size_t bytes)
   return syscall(SYS_write, file, data, bytes);
 }
 
-extern "C" int fsync(int file)
-{
+extern "C" int fsync(int file) {
   errno = cbvh::test::fsyncError;
   return errno != 0 ? -1 : int(syscall(SYS_fsync, file));
 }
 
-extern "C" int rename(const char* from, const char* to) noexcept
-{
+extern "C" int rename(const char* from, const char* to) noexcept {
   cbvh::test::renameCalls++;
   usleep(cbvh::test::renameDelay);
   return int(syscall(SYS_renameat, -100 /* AT_FDCWD */, from, -100, to));

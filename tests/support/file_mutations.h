@@ -19,8 +19,7 @@
 namespace cbvh::test {
 
 // CRC-32C bit by bit, as specified in docs/formats/file.md.
-inline uint32_t crc32c(const char* data, size_t bytes)
-{
+inline uint32_t crc32c(const char* data, size_t bytes) {
   uint32_t crc = 0xFFFFFFFFu;
   for (size_t i = 0; i < bytes; i++) {
     crc ^= (unsigned char)data[i];
@@ -29,31 +28,27 @@ inline uint32_t crc32c(const char* data, size_t bytes)
   return ~crc;
 }
 
-class FileBytes
-{
+class FileBytes {
 public:
   explicit FileBytes(std::string bytes) : bytes(std::move(bytes)) {}
 
   std::string bytes;
 
   cvert::FileHeader& header() { return *(cvert::FileHeader*)&bytes[0]; }
-  cvert::FileGeometry& record(size_t i)
-  {
-    return *(cvert::FileGeometry*)&bytes[header().directory + i*sizeof(cvert::FileGeometry)];
+  cvert::FileGeometry& record(size_t i) {
+    return *(cvert::FileGeometry*)&bytes[header().directory + i * sizeof(cvert::FileGeometry)];
   }
   size_t size() { return header().numGeometries; }
 
   // True if the directory can be read at its stated position.
-  bool hasDirectory()
-  {
+  bool hasDirectory() {
     const uint64_t at = header().directory;
     return at % 8 == 0 && at <= bytes.size() && size() != 0 &&
-           (bytes.size() - at)/sizeof(cvert::FileGeometry) >= size();
+           (bytes.size() - at) / sizeof(cvert::FileGeometry) >= size();
   }
 
   // Updates the checksums of trees, directory and header, not those of blocks.
-  void fitChecksums()
-  {
+  void fitChecksums() {
     using namespace cvert;
     if (hasDirectory()) {
       for (size_t i = 0; i < size(); i++) {
@@ -61,39 +56,36 @@ public:
         if (g.tree <= bytes.size() && g.treeBytes <= bytes.size() - g.tree)
           g.treeChecksum = crc32c(&bytes[g.tree], g.treeBytes);
       }
-      header().directoryChecksum = crc32c(&bytes[header().directory], size()*sizeof(FileGeometry));
+      header().directoryChecksum = crc32c(&bytes[header().directory], size() * sizeof(FileGeometry));
     }
     fitHeader();
   }
   void fitHeader() { header().checksum = crc32c(bytes.data(), offsetof(cvert::FileHeader, checksum)); }
 };
 
-inline uint64_t oddNumber(Random& random, uint64_t old)
-{
+inline uint64_t oddNumber(Random& random, uint64_t old) {
   switch (random.below(8)) {
   case 0: return 0;
   case 1: return ~uint64_t(0);
   case 2: return old + 1;
   case 3: return old - 1;
   case 4: return old ^ (uint64_t(1) << random.below(64));
-  case 5: return old + 16*random.below(64);
+  case 5: return old + 16 * random.below(64);
   case 6: return uint64_t(random.below(1u << 31)) << random.below(33);
-  default: return old/2;
+  default: return old / 2;
   }
 }
 
-inline void alterWord(Random& random, std::string& bytes, size_t begin, size_t end, size_t width)
-{
+inline void alterWord(Random& random, std::string& bytes, size_t begin, size_t end, size_t width) {
   if (end < begin + width) return;
-  const size_t at = begin + random.below(uint32_t((end - begin)/width))*width;
+  const size_t at = begin + random.below(uint32_t((end - begin) / width)) * width;
   uint64_t word = 0;
   std::memcpy(&word, &bytes[at], width);
   word = oddNumber(random, word);
   std::memcpy(&bytes[at], &word, width);
 }
 
-inline std::string mutated(Random& random, const std::string& sound)
-{
+inline std::string mutated(Random& random, const std::string& sound) {
   using namespace cvert;
   FileBytes file(sound);
   const uint32_t times = 1 + random.below(4);
@@ -104,7 +96,10 @@ inline std::string mutated(Random& random, const std::string& sound)
     const bool hasParts = g.tree <= file.bytes.size() && g.treeBytes <= file.bytes.size() - g.tree &&
                           g.blocks <= file.bytes.size() && g.blockBytes <= file.bytes.size() - g.blocks;
     switch (random.below(8)) {
-    case 0: alterWord(random, file.bytes, 0, sizeof(FileHeader) - 4, 4); file.fitHeader(); break;
+    case 0:
+      alterWord(random, file.bytes, 0, sizeof(FileHeader) - 4, 4);
+      file.fitHeader();
+      break;
     case 1:
       alterWord(random, file.bytes, file.header().directory, file.header().directory + sizeof(FileGeometry),
                 random.chance(0.5) ? 4 : 8);
@@ -118,7 +113,10 @@ inline std::string mutated(Random& random, const std::string& sound)
       file.bytes.resize(random.chance(0.5) ? random.below(uint32_t(file.bytes.size()))
                                            : file.bytes.size() + random.below(10000));
       if (file.bytes.size() < sizeof(FileHeader)) return file.bytes;
-      if (random.chance(0.5)) { file.header().fileBytes = file.bytes.size(); file.fitHeader(); }
+      if (random.chance(0.5)) {
+        file.header().fileBytes = file.bytes.size();
+        file.fitHeader();
+      }
       break;
     default: {
       if (!hasParts || g.blockBytes < 64) break;
@@ -144,9 +142,9 @@ inline std::string mutated(Random& random, const std::string& sound)
           if (random.chance(0.05)) file.bytes[i] = char(random.below(256));
         break;
       default: {
-        const std::string copy = file.bytes.substr(
-          other, std::min(random.chance(0.5) ? 64u : random.below(700),
-                          unsigned(g.blocks + g.blockBytes - std::max(block, other))));
+        const std::string copy =
+            file.bytes.substr(other, std::min(random.chance(0.5) ? 64u : random.below(700),
+                                              unsigned(g.blocks + g.blockBytes - std::max(block, other))));
         file.bytes.replace(block, copy.size(), copy);
       }
       }
@@ -157,12 +155,14 @@ inline std::string mutated(Random& random, const std::string& sound)
   return file.bytes;
 }
 
-struct Trial { bool isLoaded = false, isVerified = false; size_t hits = 0, errors = 0; };
+struct Trial {
+  bool isLoaded = false, isVerified = false;
+  size_t hits = 0, errors = 0;
+};
 
 // Opens and traces a file, whatever it contains. Primitive numbers of hits must belong to the geometry. copy:
 // path to which the geometry is saved.
-inline Trial tryFile(Device& device, const std::string& path, const std::string& copy, Random& random)
-{
+inline Trial tryFile(Device& device, const std::string& path, const std::string& copy, Random& random) {
   Trial trial;
   const auto failed = [&] {
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
@@ -174,7 +174,10 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
   RTCGeometry geometry = rtcNewGeometryFromCompressedFile(file, 0);
   RTCCompressedFileGeometryInfo description;
   EXPECT_TRUE(rtcGetCompressedFileGeometryInfo(file, 0, &description));
-  if (!geometry) { rtcReleaseCompressedFile(file); return failed(); }
+  if (!geometry) {
+    rtcReleaseCompressedFile(file);
+    return failed();
+  }
   trial.isLoaded = true;
   device.errors = 0;
   {
@@ -202,8 +205,8 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(scene, &query, &context, nullptr, nullptr);
-    rtcForEachCompressedPart(geometry, description.startTime, [](void*, const RTCCompressedPart*) { return true; },
-                             nullptr);
+    rtcForEachCompressedPart(
+        geometry, description.startTime, [](void*, const RTCCompressedPart*) { return true; }, nullptr);
   }
   trial.errors = device.errors;
   rtcSaveCompressedGeometry(geometry, copy.c_str());

@@ -9,8 +9,7 @@ namespace cbvh::test {
 
 // Commits a scene of the cube with a filter for closest and any hit.
 inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings,
-                            RTCFilterFunctionN filter)
-{
+                            RTCFilterFunctionN filter) {
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   rtcSetGeometryIntersectFilterFunction(geometry, filter);
   rtcSetGeometryOccludedFilterFunction(geometry, filter);
@@ -20,8 +19,7 @@ inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSetti
 }
 
 // Rejects hits by their primID and u.
-inline void filterByValues(const RTCFilterFunctionNArguments* args)
-{
+inline void filterByValues(const RTCFilterFunctionNArguments* args) {
   for (unsigned k = 0; k < args->N; k++)
     if (args->valid[k] == -1 &&
         (RTCHitN_primID(args->hit, args->N, k) % 3 == 0 || RTCHitN_u(args->hit, args->N, k) > 0.6f))
@@ -31,10 +29,10 @@ inline void filterByValues(const RTCFilterFunctionNArguments* args)
 // Expects the same hits with and without compression from a geometry with a mask and filters, in a scene and in an
 // instance, which moves if the geometry does. newGeometry(compression) returns a geometry without a scene.
 template<typename NewGeometry>
-void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool moves,
-                            std::vector<RTCRayHit> rays, double slack, size_t maxOthers = 0)
-{
-  const float transforms[2][12] = {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}};
+void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool moves, std::vector<RTCRayHit> rays,
+                            double slack, size_t maxOthers = 0) {
+  const float transforms[2][12] = {{0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0.0625f},
+                                   {0, 1, 0, -1, 0, 0, 0, 0, 1, 0.5f, 0, 0.0625f}};
   Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
   for (int i = 0; i < 2; i++) {
     RTCGeometry geometry = newGeometry(i ? RTC_COMPRESSION_CVERT : RTC_COMPRESSION_NONE);
@@ -63,8 +61,8 @@ void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool
     ASSERT_NO_FATAL_FAILURE(expectSameQueries(of[0], of[1], rays, slack, maxOthers));
     size_t hits = 0;
     for (const RTCRayHit& ray : rays) hits += isHit(intersect(of[1], ray));
-    EXPECT_GT(hits, rays.size()/5);
-    EXPECT_LT(hits, rays.size()*9/10);
+    EXPECT_GT(hits, rays.size() / 5);
+    EXPECT_LT(hits, rays.size() * 9 / 10);
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }

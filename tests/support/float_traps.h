@@ -23,11 +23,9 @@ namespace cbvh::test {
 // While an object exists, signals of trapped exceptions are counted, and the instruction is repeated with the exception
 // masked: its result is the same as without traps. The set of exceptions that trap is part of the floating-point state
 // of a thread; new threads inherit it. The destructor restores the state of the calling thread.
-class FloatTraps
-{
+class FloatTraps {
 public:
-  FloatTraps() : state(_mm_getcsr())
-  {
+  FloatTraps() : state(_mm_getcsr()) {
     struct sigaction action = {};
     action.sa_flags = SA_SIGINFO;
     action.sa_sigaction = maskForOneStep;
@@ -35,8 +33,7 @@ public:
     action.sa_sigaction = restoreAfterStep;
     sigaction(SIGTRAP, &action, &before[1]);
   }
-  ~FloatTraps()
-  {
+  ~FloatTraps() {
     _mm_setcsr(state);
     sigaction(SIGFPE, &before[0], nullptr);
     sigaction(SIGTRAP, &before[1], nullptr);
@@ -45,15 +42,17 @@ public:
   FloatTraps& operator=(const FloatTraps&) = delete;
 
   // Returns a line per instruction that trapped since the last call, or an empty string.
-  std::string takeReport()
-  {
+  std::string takeReport() {
     std::string report;
     for (unsigned i = 0; i < maxPlaces; i++) {
       Place& place = places[i];
       if (const size_t count = place.count.exchange(0)) {
         const int code = place.code;
-        const char* name = code == FPE_FLTDIV ? "division by zero" : code == FPE_FLTINV ? "invalid operation"
-                         : code == FPE_FLTOVF ? "overflow" : code == FPE_FLTUND ? "denormal operand" : "exception";
+        const char* name = code == FPE_FLTDIV   ? "division by zero"
+                           : code == FPE_FLTINV ? "invalid operation"
+                           : code == FPE_FLTOVF ? "overflow"
+                           : code == FPE_FLTUND ? "denormal operand"
+                                                : "exception";
         Dl_info info = {};
         dladdr((const void*)place.address.load(), &info);
         char line[512];
@@ -67,13 +66,15 @@ public:
   }
 
 private:
-  static constexpr unsigned maxPlaces = 64;     // distinct instructions
-  static constexpr uint32_t allMasks = 0x1F80;  // of MXCSR
-  static constexpr greg_t trapFlag = 0x100;     // of EFLAGS: a signal after the next instruction
-  struct Place { std::atomic<size_t> address, count; std::atomic<int> code; };
+  static constexpr unsigned maxPlaces = 64;    // distinct instructions
+  static constexpr uint32_t allMasks = 0x1F80; // of MXCSR
+  static constexpr greg_t trapFlag = 0x100;    // of EFLAGS: a signal after the next instruction
+  struct Place {
+    std::atomic<size_t> address, count;
+    std::atomic<int> code;
+  };
 
-  static void maskForOneStep(int, siginfo_t* info, void* context)
-  {
+  static void maskForOneStep(int, siginfo_t* info, void* context) {
     ucontext_t& thread = *(ucontext_t*)context;
     for (Place& place : places) {
       size_t address = 0;
@@ -87,8 +88,7 @@ private:
     thread.uc_mcontext.fpregs->mxcsr |= allMasks;
     thread.uc_mcontext.gregs[REG_EFL] |= trapFlag;
   }
-  static void restoreAfterStep(int, siginfo_t*, void* context)
-  {
+  static void restoreAfterStep(int, siginfo_t*, void* context) {
     ucontext_t& thread = *(ucontext_t*)context;
     thread.uc_mcontext.fpregs->mxcsr = (thread.uc_mcontext.fpregs->mxcsr & ~(allMasks | 0x3F)) | masks;
     thread.uc_mcontext.gregs[REG_EFL] &= ~trapFlag;

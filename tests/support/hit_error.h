@@ -18,26 +18,25 @@ namespace cbvh::test {
 constexpr double unitRoundoff = 0x1p-24;
 
 // Distance from |x| to the next float above it.
-inline double ulpOf(float x)
-{
+inline double ulpOf(float x) {
   const float size = std::fabs(x);
   return double(std::nextafter(size, INFINITY)) - size;
 }
 
-struct HitError { double t, u, v; };
+struct HitError {
+  double t, u, v;
+};
 
 // Computed in double precision from the triangle's vertices.
-class ExactTriangleHit
-{
+class ExactTriangleHit {
 public:
   double t, u, v;
   double weights[3]; // of the vertices; one of them is negative if the line misses the triangle
   double cosine;     // of the angle between ray and normal, not negative
 
-  ExactTriangleHit(const RTCRay& ray, const RTCCompressedTriangle& triangle) : triangle(triangle)
-  {
+  ExactTriangleHit(const RTCRay& ray, const RTCCompressedTriangle& triangle) : triangle(triangle) {
     const float org[3] = {ray.org_x, ray.org_y, ray.org_z}, dir[3] = {ray.dir_x, ray.dir_y, ray.dir_z};
-    const auto square = [](const double a[3]) { return a[0]*a[0] + a[1]*a[1] + a[2]*a[2]; };
+    const auto square = [](const double a[3]) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; };
     for (int k = 0; k < 3; k++) {
       D[k] = dir[k];
       for (int c = 0; c < 3; c++) d[c][k] = double(triangle.vertices[c][k]) - org[k];
@@ -51,23 +50,27 @@ public:
     }
     den = 0;
     for (int k = 0; k < 3; k++) {
-      n[k] = e[(k + 1) % 3]*f[(k + 2) % 3] - e[(k + 2) % 3]*f[(k + 1) % 3];
-      den += n[k]*D[k];
-      heightOfRay += n[k]*d[0][k];
+      n[k] = e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3];
+      den += n[k] * D[k];
+      heightOfRay += n[k] * d[0][k];
     }
-    t = heightOfRay/den;
-    cosine = std::fabs(den)/std::sqrt(square(n)*square(D));
+    t = heightOfRay / den;
+    cosine = std::fabs(den) / std::sqrt(square(n) * square(D));
 
     /* the ray as the z axis */
     kz = 0;
-    for (int k = 1; k < 3; k++) if (std::fabs(D[k]) > std::fabs(D[kz])) kz = k;
+    for (int k = 1; k < 3; k++)
+      if (std::fabs(D[k]) > std::fabs(D[kz])) kz = k;
     for (int c = 0; c < 3; c++)
-      for (int i = 0; i < 2; i++) sheared[c][i] = d[c][axis(i)] - D[axis(i)]/D[kz]*d[c][kz];
+      for (int i = 0; i < 2; i++) sheared[c][i] = d[c][axis(i)] - D[axis(i)] / D[kz] * d[c][kz];
     sum = 0;
     for (int c = 0; c < 3; c++) sum += weights[c] = side(c);
     for (double& w : weights) w /= sum;
     u = v = 0;
-    for (int c = 0; c < 3; c++) { u += weights[c]*triangle.u[c]; v += weights[c]*triangle.v[c]; }
+    for (int c = 0; c < 3; c++) {
+      u += weights[c] * triangle.u[c];
+      v += weights[c] * triangle.v[c];
+    }
   }
 
   bool isMet() const { return std::min({weights[0], weights[1], weights[2]}) >= 0; }
@@ -82,22 +85,22 @@ public:
    * products and of the difference. A weight is a side divided by the sum of three sides. A parameter adds at most 8
    * operations on numbers up to the larger of 1 and the parameter: 1 - a - b, quad + a, the division by the number of
    * quads, + corner, and the rounding of the vertices' parameters. */
-  HitError oursBound() const
-  {
+  HitError oursBound() const {
     double sideErrors[3], allSides = 0;
     for (int c = 0; c < 3; c++) {
       const double *p = sheared[(c + 1) % 3], *q = sheared[(c + 2) % 3];
       const ShearError ofP = shearError((c + 1) % 3), ofQ = shearError((c + 2) % 3);
       const double *pe = ofP.at, *qe = ofQ.at;
-      const double products = std::fabs(p[0]*q[1]) + std::fabs(p[1]*q[0]);
-      sideErrors[c] = pe[0]*std::fabs(q[1]) + qe[1]*std::fabs(p[0]) + pe[1]*std::fabs(q[0]) + qe[0]*std::fabs(p[1])
-          + unitRoundoff*(products + std::fabs(side(c)));
+      const double products = std::fabs(p[0] * q[1]) + std::fabs(p[1] * q[0]);
+      sideErrors[c] = pe[0] * std::fabs(q[1]) + qe[1] * std::fabs(p[0]) + pe[1] * std::fabs(q[0]) +
+                      qe[0] * std::fabs(p[1]) + unitRoundoff * (products + std::fabs(side(c)));
       allSides += sideErrors[c];
     }
     double weightErrors = 0;
     for (int c = 0; c < 3; c++)
-      weightErrors += (sideErrors[c] + std::fabs(weights[c])*(allSides + 2*unitRoundoff*std::fabs(sum)))/std::fabs(sum)
-          + unitRoundoff*std::fabs(weights[c]);
+      weightErrors +=
+          (sideErrors[c] + std::fabs(weights[c]) * (allSides + 2 * unitRoundoff * std::fabs(sum))) / std::fabs(sum) +
+          unitRoundoff * std::fabs(weights[c]);
     return bound(ulpOf(float(t)), weightErrors, 8);
   }
 
@@ -113,16 +116,16 @@ public:
    *
    * vertexError: distances on each axis by which Embree's vertices may differ from the triangle's. parameterError: the
    * same for u and v of the vertices. */
-  HitError embreesBound(const double vertexError[3], double parameterError) const
-  {
+  HitError embreesBound(const double vertexError[3], double parameterError) const {
     const double moved = permanent(vertexError, E, D);
     double weightErrors = 0, plane = 0;
     for (double w : weights)
-      weightErrors += (unitRoundoff*(9 + 27*std::fabs(w))*permanent(C, E, D)
-          + (2 + 6*std::fabs(w))*moved)/std::fabs(den) + 5*unitRoundoff*std::fabs(w);
-    for (int k = 0; k < 3; k++) plane += std::fabs(n[k])*vertexError[k];
-    const double rounding = unitRoundoff*(8*permanent(E, E, C) + 7*std::fabs(t)*permanent(E, E, D));
-    const double tError = (rounding + plane)/std::fabs(den) + 5*unitRoundoff*std::fabs(t);
+      weightErrors += (unitRoundoff * (9 + 27 * std::fabs(w)) * permanent(C, E, D) + (2 + 6 * std::fabs(w)) * moved) /
+                          std::fabs(den) +
+                      5 * unitRoundoff * std::fabs(w);
+    for (int k = 0; k < 3; k++) plane += std::fabs(n[k]) * vertexError[k];
+    const double rounding = unitRoundoff * (8 * permanent(E, E, C) + 7 * std::fabs(t) * permanent(E, E, D));
+    const double tError = (rounding + plane) / std::fabs(den) + 5 * unitRoundoff * std::fabs(t);
     HitError error = bound(tError, weightErrors, 16);
     error.u += parameterError;
     error.v += parameterError;
@@ -130,41 +133,39 @@ public:
   }
 
 private:
-  struct ShearError { double at[2]; };
+  struct ShearError {
+    double at[2];
+  };
 
   int axis(int i) const { return (kz + 1 + i) % 3; }
 
-  double side(int c) const
-  {
+  double side(int c) const {
     const double *p = sheared[(c + 1) % 3], *q = sheared[(c + 2) % 3];
-    return p[0]*q[1] - p[1]*q[0];
+    return p[0] * q[1] - p[1] * q[0];
   }
 
-  ShearError shearError(int c) const
-  {
+  ShearError shearError(int c) const {
     ShearError error;
     for (int i = 0; i < 2; i++) {
-      const double product = std::fabs(D[axis(i)]/D[kz]*d[c][kz]);
-      error.at[i] = unitRoundoff*(std::fabs(d[c][axis(i)]) + 4*product + std::fabs(sheared[c][i]));
+      const double product = std::fabs(D[axis(i)] / D[kz] * d[c][kz]);
+      error.at[i] = unitRoundoff * (std::fabs(d[c][axis(i)]) + 4 * product + std::fabs(sheared[c][i]));
     }
     return error;
   }
 
-  static double permanent(const double a[3], const double b[3], const double c[3])
-  {
+  static double permanent(const double a[3], const double b[3], const double c[3]) {
     double sum = 0;
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
-        if (i != j) sum += std::fabs(a[i]*b[j]*c[3 - i - j]);
+        if (i != j) sum += std::fabs(a[i] * b[j] * c[3 - i - j]);
     return sum;
   }
 
   // operations: number of roundings after the weights
-  HitError bound(double ofT, double weightErrors, double operations) const
-  {
+  HitError bound(double ofT, double weightErrors, double operations) const {
     const auto parameter = [&](const float at[3], double value) {
       const double span = double(std::max({at[0], at[1], at[2]})) - std::min({at[0], at[1], at[2]});
-      return weightErrors*span + operations*unitRoundoff*std::max(1.0, std::fabs(value));
+      return weightErrors * span + operations * unitRoundoff * std::max(1.0, std::fabs(value));
     };
     return {ofT, parameter(triangle.u, u), parameter(triangle.v, v)};
   }

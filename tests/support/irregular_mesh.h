@@ -10,8 +10,7 @@
 namespace cbvh::test {
 
 // Quads split along random diagonals; triangles begin at random corners.
-inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool shuffled = true)
-{
+inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool shuffled = true) {
   DicedMesh out;
   out.vertices = mesh.vertices;
   out.motion = mesh.motion;
@@ -29,8 +28,7 @@ inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool 
 }
 
 // The quads in random order, beginning at random corners.
-inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random)
-{
+inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random) {
   DicedMesh out = mesh;
   for (auto& q : out.quads) std::rotate(q.begin(), q.begin() + random.below(4), q.end());
   for (size_t i = out.quads.size(); i-- > 1;) std::swap(out.quads[i], out.quads[random.below(unsigned(i + 1))]);
@@ -38,8 +36,7 @@ inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random)
 }
 
 // The quads, optionally as triangles, with irregular stripes along an axis.
-inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asTriangles)
-{
+inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asTriangles) {
   DicedMesh regular = mesh, others = mesh, out;
   regular.quads.clear();
   others.quads.clear();
@@ -57,40 +54,39 @@ inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asT
   return out;
 }
 
-inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double lattice = 0)
-{
+inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double lattice = 0) {
   for (Vec& p : mesh.vertices)
-    for (float& x : p) x = roundTo(x + size*random.uniform(-1, 1), lattice);
+    for (float& x : p) x = roundTo(x + size * random.uniform(-1, 1), lattice);
   return mesh;
 }
 
-struct NamedMesh
-{
+struct NamedMesh {
   std::string name;
   DicedMesh mesh;
 };
 
 // Meshes of all kinds that mesh blocks store, exactly if vertices are on a lattice.
-inline std::vector<NamedMesh> irregularMeshes(Random& random, double lattice)
-{
+inline std::vector<NamedMesh> irregularMeshes(Random& random, double lattice) {
   const DicedMesh sheet = jittered(meshOf(dicedSheet(1, 50, lattice), QuadOrder::Rows, random), random, 0.01, lattice),
-    ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01, lattice);
+                  ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01, lattice);
   DicedMesh heap;
   for (unsigned i = 0; i < 2000; i++) {
     const Vec at = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))};
     for (int c = 0; c < 3; c++) {
       Vec p = at;
-      for (float& x : p) x = roundTo(x + 0.05*random.normal(), lattice);
+      for (float& x : p) x = roundTo(x + 0.05 * random.normal(), lattice);
       heap.vertices.push_back(p);
     }
-    heap.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+    heap.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const DicedMesh fine = meshOf(dicedSheet(1, 80, lattice), QuadOrder::Rows, random);
   return {{"a sheet of triangles with irregular stripes", partlyIrregular(fine, random, true)},
-    {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)},
-    {"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
-    {"a ball of triangles", irregularTriangles(ball, random)}, {"a ball of quads", irregularQuads(ball, random)},
-    {"a heap of triangles", heap}};
+          {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)},
+          {"a sheet of triangles", irregularTriangles(sheet, random)},
+          {"a sheet of quads", irregularQuads(sheet, random)},
+          {"a ball of triangles", irregularTriangles(ball, random)},
+          {"a ball of quads", irregularQuads(ball, random)},
+          {"a heap of triangles", heap}};
 }
 
 } // namespace cbvh::test

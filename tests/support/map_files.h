@@ -18,11 +18,9 @@
 
 namespace cbvh::test {
 
-class MapFiles : public testing::Test
-{
+class MapFiles : public testing::Test {
 protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     folder = std::filesystem::temp_directory_path() / ("cbvh_map_files_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder);
   }
@@ -30,8 +28,7 @@ protected:
 
   std::string pathOf(const std::string& name) const { return (folder / name).string(); }
 
-  std::string save(const std::string& name, const std::string& bytes) const
-  {
+  std::string save(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder / name, std::ios::binary) << bytes;
     return pathOf(name);
   }
@@ -40,23 +37,16 @@ protected:
 };
 
 /* Returns the message with which the map is rejected, or empty. */
-inline std::string errorOf(const std::string& path, const std::string& channel = "", int count = 1)
-{
-  try
-  {
+inline std::string errorOf(const std::string& path, const std::string& channel = "", int count = 1) {
+  try {
     std::string warnings;
     const HeightTexture texture({path}, {channel, count, 0.5f}, TextureWrap::Clamp, warnings);
-  }
-  catch (const Error& e)
-  {
-    return e.what();
-  }
+  } catch (const Error& e) { return e.what(); }
   return "";
 }
 
 /* Returns the first channel in the middle of an image. */
-inline float valueAt(const std::string& path, const std::string& channel = "", int count = 1, unsigned image = 0)
-{
+inline float valueAt(const std::string& path, const std::string& channel = "", int count = 1, unsigned image = 0) {
   std::string warnings;
   const HeightTexture texture({path}, {channel, count, 0.5f}, TextureWrap::Clamp, warnings);
   float values[3] = {NAN, NAN, NAN};

@@ -9,13 +9,11 @@
 
 namespace cbvh::test {
 
-struct Memory
-{
+struct Memory {
   std::atomic<ssize_t> live{0}, peak{0};
   std::atomic<ssize_t> most{std::numeric_limits<ssize_t>::max()}; // the monitor rejects allocations beyond this limit
 
-  static bool monitor(void* self, ssize_t bytes, bool post)
-  {
+  static bool monitor(void* self, ssize_t bytes, bool post) {
     Memory& m = *(Memory*)self;
     if (bytes > 0 && !post && m.live + bytes > m.most) return false;
     const ssize_t live = m.live += bytes;

@@ -14,8 +14,7 @@
 
 namespace cbvh::test {
 
-class NearSideScene
-{
+class NearSideScene {
 public:
   /* compressed: a scene of cLEAF surfaces only. It must outlive this object and be committed exactly once. */
   explicit NearSideScene(RTCScene compressed);

@@ -12,34 +12,44 @@
 namespace cbvh::test {
 
 enum class Shape {
-  Waves, Noise, Spikes, Jumps, Folded, Saddle, Vertical,
-  Flat, Needle, Trapezoid, CollapsedQuads, CollapsedSide
+  Waves,
+  Noise,
+  Spikes,
+  Jumps,
+  Folded,
+  Saddle,
+  Vertical,
+  Flat,
+  Needle,
+  Trapezoid,
+  CollapsedQuads,
+  CollapsedSide
 };
-const std::vector<Shape> allShapes = {Shape::Waves, Shape::Noise, Shape::Spikes, Shape::Jumps,
-                                      Shape::Folded, Shape::Saddle, Shape::Vertical,       Shape::Flat,
+const std::vector<Shape> allShapes = {Shape::Waves,  Shape::Noise,     Shape::Spikes,         Shape::Jumps,
+                                      Shape::Folded, Shape::Saddle,    Shape::Vertical,       Shape::Flat,
                                       Shape::Needle, Shape::Trapezoid, Shape::CollapsedQuads, Shape::CollapsedSide};
 const char* nameOf(Shape);
 
-struct Placement { double scale, position[3]; };
+struct Placement {
+  double scale, position[3];
+};
 
 // One face of 2^height x 2^height quads.
-struct Sheet
-{
+struct Sheet {
   Shape shape;
   unsigned quads;
   double scale;
   Cage cage;                 // its corners, in the order of the face
   std::vector<Vec> vertices; // (quads+1)^2, row by row
 
-  const Vec& vertex(unsigned x, unsigned y) const { return vertices[y*(quads+1) + x]; }
+  const Vec& vertex(unsigned x, unsigned y) const { return vertices[y * (quads + 1) + x]; }
 };
 Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement& at);
 
 // Commits the sheet at frame level 0, or as GRID for RTC_COMPRESSION_NONE. `sheet` must outlive the scene.
 void commitSheet(RTCDevice device, RTCScene scene, const Sheet& sheet, RTCCompression compression);
 
-enum class RayKind
-{
+enum class RayKind {
   Across,
   AlongAxis,
   ThroughVertex,
@@ -50,8 +60,8 @@ enum class RayKind
   FromInsideLeaf,
   Segment
 };
-const std::vector<RayKind> allRays = {RayKind::Across, RayKind::AlongAxis, RayKind::ThroughVertex,
-                                      RayKind::AcrossEdge, RayKind::AlongEdge,      RayKind::InPlaneOfLeaf,
+const std::vector<RayKind> allRays = {RayKind::Across,          RayKind::AlongAxis,      RayKind::ThroughVertex,
+                                      RayKind::AcrossEdge,      RayKind::AlongEdge,      RayKind::InPlaneOfLeaf,
                                       RayKind::FromInsideBlock, RayKind::FromInsideLeaf, RayKind::Segment};
 const char* nameOf(RayKind);
 

@@ -24,15 +24,16 @@
 
 namespace cbvh::test {
 
-class ReferenceCheck
-{
+class ReferenceCheck {
 public:
   // Traces closest hits of rays, and any hit with only their RTCRay.
   using Trace = std::function<void(RTCScene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any)>;
 
   // traceRays: the function under test; by default Embree's single rays.
   ReferenceCheck(RTCDevice device, RTCCompression compression, Trace traceRays = traceByEmbree)
-    : device(device), compression(compression), traceRays(std::move(traceRays)) {}
+    : device(device),
+      compression(compression),
+      traceRays(std::move(traceRays)) {}
 
   static void traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any);
 
@@ -47,8 +48,7 @@ public:
   unsigned sheetsOfGrid = 0; // sheets that are not compressed
 
 private:
-  struct Answer
-  {
+  struct Answer {
     RTCRayHit ray, found, ofGrid;
     bool isOccluded, isOccludedInGrid;
     RayKind kind;
@@ -61,7 +61,7 @@ private:
   RTCCompression compression;
   Trace traceRays;
   unsigned rays = 0, hits = 0, equal = 0, failures = 0;
-  unsigned sameT = 0;                                       // equal t, or both miss
+  unsigned sameT = 0;                                      // equal t, or both miss
   unsigned atBorder = 0, betweenLeaves = 0, alongLeaf = 0; // explained by rounding
   unsigned hitsOfGrid = 0, strayed = 0;                    // cGRID: as GRID's triangle test rounds
 };

@@ -24,16 +24,13 @@
 namespace cbvh::test {
 
 // A new, empty folder. The destructor removes it with its files.
-class Folder
-{
+class Folder {
 public:
-  Folder()
-  {
+  Folder() {
     char name[] = "/tmp/cbvh-files-XXXXXX";
     if (char* made = mkdtemp(name)) path = made;
   }
-  ~Folder()
-  {
+  ~Folder() {
     for (const std::string& name : names()) std::remove((path + "/" + name).c_str());
     rmdir(path.c_str());
   }
@@ -42,8 +39,7 @@ public:
 
   std::string operator/(const std::string& name) const { return path + "/" + name; }
 
-  std::vector<std::string> names() const
-  {
+  std::vector<std::string> names() const {
     std::vector<std::string> all;
     if (DIR* folder = opendir(path.c_str())) {
       while (const dirent* entry = readdir(folder))
@@ -56,29 +52,25 @@ public:
   std::string path;
 };
 
-inline std::string bytesOf(const std::string& path)
-{
+inline std::string bytesOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-inline void writeBytes(const std::string& path, const std::string& bytes)
-{
+inline void writeBytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
 // Named geometries of each form of a file. They are committed and compressed by their own commit, which releases
 // their input.
-struct Saveable
-{
+struct Saveable {
   std::string name;
   std::function<RTCGeometry(RTCDevice)> make;
   bool moves = false, hasTriangles = true;
 };
 
 inline RTCGeometry releasing(RTCGeometry geometry, RTCCompression compression,
-                             int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, int fallbackFaces = -1)
-{
+                             int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, int fallbackFaces = -1) {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = compression;
@@ -90,21 +82,25 @@ inline RTCGeometry releasing(RTCGeometry geometry, RTCCompression compression,
   return geometry;
 }
 
-inline std::vector<Saveable> allSaveable()
-{
+inline std::vector<Saveable> allSaveable() {
   static Displacement displacement;
   std::vector<Saveable> all;
   const auto cage = [&](const std::string& name, RTCCompression compression, float rate, unsigned timeSteps,
                         int fallbackFaces, const Cage& cage) {
-    all.push_back({name, [=](RTCDevice device) {
-      SurfaceSettings settings;
-      settings.rate = rate;
-      settings.displacement = &displacement;
-      settings.timeSteps = timeSteps;
-      if (timeSteps > 1) { settings.begin = 0.125f; settings.end = 0.75f; }
-      return releasing(newSurface(device, cage, settings), compression, RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
-                       fallbackFaces);
-    }, timeSteps > 1, compression == RTC_COMPRESSION_CVERT || compression == RTC_COMPRESSION_CGRID});
+    all.push_back({name,
+                   [=](RTCDevice device) {
+                     SurfaceSettings settings;
+                     settings.rate = rate;
+                     settings.displacement = &displacement;
+                     settings.timeSteps = timeSteps;
+                     if (timeSteps > 1) {
+                       settings.begin = 0.125f;
+                       settings.end = 0.75f;
+                     }
+                     return releasing(newSurface(device, cage, settings), compression,
+                                      RTC_COMPRESSION_FRAME_LEVEL_INHERIT, fallbackFaces);
+                   },
+                   timeSteps > 1, compression == RTC_COMPRESSION_CVERT || compression == RTC_COMPRESSION_CGRID});
   };
   for (RTCCompression compression :
        {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CGRID}) {
@@ -116,13 +112,15 @@ inline std::vector<Saveable> allSaveable()
   cage("cVERT that moves", RTC_COMPRESSION_CVERT, 40, 4, -1, cubeCage());
   const auto diced = [&](const std::string& name, unsigned timeSteps,
                          const std::function<RTCGeometry(RTCDevice, const Diced&, unsigned)>& make) {
-    all.push_back({name, [=](RTCDevice device) {
-      Diced sheet = dicedSheet(4, 32);
-      sheet.motion = [](const Vec& p, unsigned step) {
-        return Vec{p[0] + 0.05f*float(step), p[1], p[2] + 0.1f*float(step)*p[0]};
-      };
-      return make(device, sheet, timeSteps);
-    }, timeSteps > 1, true});
+    all.push_back({name,
+                   [=](RTCDevice device) {
+                     Diced sheet = dicedSheet(4, 32);
+                     sheet.motion = [](const Vec& p, unsigned step) {
+                       return Vec{p[0] + 0.05f * float(step), p[1], p[2] + 0.1f * float(step) * p[0]};
+                     };
+                     return make(device, sheet, timeSteps);
+                   },
+                   timeSteps > 1, true});
   };
   for (unsigned timeSteps : {1u, 3u}) {
     const std::string suffix = timeSteps > 1 ? " that move" : "";
@@ -150,7 +148,7 @@ inline std::vector<Saveable> allSaveable()
   diced("irregular triangles", 1, [](RTCDevice device, const Diced& sheet, unsigned) {
     Random random(7);
     return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_CVERT,
-      RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+                   RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   });
   for (bool triangles : {false, true})
     diced(triangles ? "irregular triangles that move" : "irregular quads that move", 3,

@@ -12,8 +12,7 @@ using namespace embree;
 
 // Calls visit(type, leaf) for all leaves of the top level.
 template<typename Visit>
-static void forEachLeaf(BVH4::NodeRef ref, const Visit& visit)
-{
+static void forEachLeaf(BVH4::NodeRef ref, const Visit& visit) {
   if (ref == BVH4::emptyNode) return;
   if (ref.isAABBNode()) {
     for (size_t i = 0; i < 4; i++) forEachLeaf(ref.getAABBNode()->child(i), visit);
@@ -25,14 +24,12 @@ static void forEachLeaf(BVH4::NodeRef ref, const Visit& visit)
 }
 
 template<typename Visit>
-static void forEachLeaf(RTCScene scene, const Visit& visit)
-{
+static void forEachLeaf(RTCScene scene, const Visit& visit) {
   for (const Accel* accel : ((const Scene*)scene)->accels)
     forEachLeaf(((const BVH4*)accel->intersectors.ptr)->root, visit);
 }
 
-std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene)
-{
+std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene) {
   using namespace embree::cbvh;
   std::vector<const Block*> blocks;
   forEachLeaf(scene, [&](size_t type, const void* leaf) {
@@ -41,8 +38,7 @@ std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene)
   return blocks;
 }
 
-std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene)
-{
+std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene) {
   using namespace embree::cbvh;
   std::vector<const VertHeader*> blocks;
   forEachLeaf(scene, [&](size_t type, const void* leaf) {

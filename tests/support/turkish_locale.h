@@ -14,21 +14,17 @@
 namespace cbvh::test {
 
 /* Sets the locale until it is destroyed. Compiles it with localedef, because few machines have it installed. */
-class TurkishLocale
-{
+class TurkishLocale {
 public:
-  TurkishLocale() : folder(std::filesystem::temp_directory_path() / ("cbvh_locale_" + std::to_string(getpid())))
-  {
+  TurkishLocale() : folder(std::filesystem::temp_directory_path() / ("cbvh_locale_" + std::to_string(getpid()))) {
     std::filesystem::create_directory(folder);
     const std::string command = "localedef -i tr_TR -f UTF-8 " + (folder / name).string() + " > /dev/null 2>&1";
-    if (std::system(command.c_str()) != 0)
-      return;
+    if (std::system(command.c_str()) != 0) return;
     setenv("LOCPATH", folder.c_str(), 1);
     isSet = std::setlocale(LC_CTYPE, name) != nullptr;
   }
 
-  ~TurkishLocale()
-  {
+  ~TurkishLocale() {
     std::setlocale(LC_CTYPE, "C");
     unsetenv("LOCPATH");
     std::error_code ignored;

@@ -16,21 +16,18 @@
 
 namespace cbvh::test {
 
-struct VertTriangle
-{
+struct VertTriangle {
   std::array<std::array<float, 3>, 3> vertices; // in the order of GRID
   unsigned geomID, primID;
   // of its vertices, as if all edges had the highest rate
   double u[3], v[3];
 
-  bool hasArea() const
-  {
+  bool hasArea() const {
     return vertices[0] != vertices[1] && vertices[1] != vertices[2] && vertices[2] != vertices[0];
   }
 };
 
-inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
-{
+inline std::vector<VertTriangle> vertTriangles(RTCScene scene) {
   using namespace cvert;
   std::vector<VertTriangle> triangles;
   for (const VertHeader* block : sceneVertBlocks(scene)) {
@@ -49,8 +46,8 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
             const uint32_t i = x + dx[second][c], j = y + dy[second][c];
             std::copy_n(decoded->vertex(i, j), 3, t.vertices[c].begin());
             for (float& f : t.vertices[c]) f += 0.0f; // maps -0 to 0
-            t.u[c] = 0.5*vertCornerU(edges) + (vertFirstX(block->region) + i)/quadsX;
-            t.v[c] = 0.5*vertCornerV(edges) + (vertFirstY(block->region) + j)/quadsY;
+            t.u[c] = 0.5 * vertCornerU(edges) + (vertFirstX(block->region) + i) / quadsX;
+            t.v[c] = 0.5 * vertCornerV(edges) + (vertFirstY(block->region) + j) / quadsY;
           }
           triangles.push_back(t);
         }
@@ -59,8 +56,7 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
 }
 
 // Intersection of a ray with one of the triangles.
-struct ExactHit
-{
+struct ExactHit {
   const VertTriangle* triangle = nullptr;
   double t = INFINITY, weight[3];
 };
@@ -70,8 +66,7 @@ inline double inside(const ExactHit& h) { return std::min({h.weight[0], h.weight
 
 // Intersects the ray's line with the triangle's plane in double precision. Returns false if they
 // are parallel.
-inline bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit)
-{
+inline bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit) {
   const double o[3] = {r.org_x, r.org_y, r.org_z}, d[3] = {r.dir_x, r.dir_y, r.dir_z};
   double e1[3], e2[3], p[3], q[3], s[3];
   for (int k = 0; k < 3; k++) {
@@ -80,31 +75,31 @@ inline bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit)
     s[k] = o[k] - triangle.vertices[0][k];
   }
   const auto cross = [](const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
+    for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
   };
-  const auto dot = [](const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; };
+  const auto dot = [](const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
   cross(d, e2, p);
   const double det = dot(e1, p);
   if (det == 0) return false;
   cross(s, e1, q);
   hit.triangle = &triangle;
-  hit.weight[1] = dot(s, p)/det;
-  hit.weight[2] = dot(d, q)/det;
+  hit.weight[1] = dot(s, p) / det;
+  hit.weight[2] = dot(d, q) / det;
   hit.weight[0] = 1 - hit.weight[1] - hit.weight[2];
-  hit.t = dot(e2, q)/det;
+  hit.t = dot(e2, q) / det;
   return true;
 }
 
 // Number of edges of non-degenerate triangles that do not occur equally often in both directions.
-inline size_t countOpenEdges(const std::vector<VertTriangle>& triangles)
-{
+inline size_t countOpenEdges(const std::vector<VertTriangle>& triangles) {
   typedef std::array<float, 3> Vertex;
   std::map<std::pair<Vertex, Vertex>, int> surplus;
   for (const VertTriangle& t : triangles) {
     if (!t.hasArea()) continue;
     for (int i = 0; i < 3; i++) {
-      const Vertex &a = t.vertices[i], &b = t.vertices[(i+1) % 3];
-      if (a < b) surplus[{a, b}]++; else surplus[{b, a}]--;
+      const Vertex &a = t.vertices[i], &b = t.vertices[(i + 1) % 3];
+      if (a < b) surplus[{a, b}]++;
+      else surplus[{b, a}]--;
     }
   }
   size_t open = 0;

@@ -11,15 +11,13 @@
 
 namespace cbvh::test {
 
-class VertexRecorder : public Displacement
-{
+class VertexRecorder : public Displacement {
 public:
   virtual ~VertexRecorder() = default;
 
   // Adds a surface with this displacement to a scene, commits it, and records its vertices. Does not record if it
   // displaces other surfaces.
-  void build(RTCDevice device, RTCScene scene, const Cage& cage, SurfaceSettings settings)
-  {
+  void build(RTCDevice device, RTCScene scene, const Cage& cage, SurfaceSettings settings) {
     settings.displacement = this;
     RTCGeometry geometry = newSurface(device, cage, settings);
     rtcSetGeometryDisplacementFunction(geometry, applyAndRecord);
@@ -33,8 +31,7 @@ protected:
   virtual void record(const RTCDisplacementFunctionNArguments& vertices) = 0;
 
 private:
-  static void applyAndRecord(const RTCDisplacementFunctionNArguments* args)
-  {
+  static void applyAndRecord(const RTCDisplacementFunctionNArguments* args) {
     apply(args);
     VertexRecorder& self = *static_cast<VertexRecorder*>((Displacement*)args->geometryUserPtr);
     std::lock_guard<std::mutex> lock(self.mutex);

@@ -12,7 +12,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export LC_ALL=C
 
-"$abidiff" --no-added-syms "$stock" "$ours" || { echo "abidiff: removed or changed symbols" >&2; exit 1; }
+"$abidiff" --no-added-syms "$stock" "$ours" || {
+  echo "abidiff: removed or changed symbols" >&2
+  exit 1
+}
 
 symbols() { nm --dynamic --defined-only "$1" | awk '{ print $2, $3 }' | sort; }
 symbols "$stock" > "$work/stock"
@@ -20,7 +23,11 @@ symbols "$ours" > "$work/ours"
 [ "$(wc -l < "$work/stock")" -gt 100 ]
 comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
-[ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
+[ ! -s "$work/removed" ] || {
+  echo "removed:"
+  cat "$work/removed"
+  exit 1
+}
 # functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFindCompressedTriangle \
   rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart rtcGetCompressedFileGeometryCount \
@@ -29,7 +36,10 @@ printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceG
   rtcNewCompressedFileWriter rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError \
   rtcReleaseCompressedFile rtcReleaseCompressedFileWriter rtcReleaseFlatScene rtcResumeCompressedFileWriter \
   rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
-diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
+diff "$work/api" "$work/added" || {
+  echo "added symbols are not those of our headers" >&2
+  exit 1
+}
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }
 [ "$(soname "$stock")" = "$(soname "$ours")" ]

@@ -15,7 +15,12 @@ def syntax_check(entry, *options):
     for option in ("-o", "-include"):  # -include: the precompiled header
         if option in arguments:
             first = arguments.index(option)
-            del arguments[first:first + 2]
+            del arguments[first : first + 2]
     compiler = next(i for i, word in enumerate(arguments) if re.search(r"(\+\+|clang|gcc|cc)(-[\d.]+)?$", word))
-    return subprocess.run(arguments[compiler:] + ["-O0", "-fsyntax-only", *options], cwd=entry["directory"],
-                          capture_output=True, text=True, check=False)
+    return subprocess.run(
+        arguments[compiler:] + ["-O0", "-fsyntax-only", *options],
+        cwd=entry["directory"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )

@@ -26,7 +26,10 @@ cd "$work"
 
 embree_verify --print-tests > tests || true # ignores the exit status, which is not meaningful
 # Upstream's tests include only the instruction sets of this machine.
-grep -q "^ *$isa\\." tests || { echo "this machine does not support $isa"; exit 77; }
+grep -q "^ *$isa\\." tests || {
+  echo "this machine does not support $isa"
+  exit 77
+}
 
 # The verifier's options do not support parentheses.
 tests="buffer_stride.subdivs empty_geometry build.Static build.Dynamic new_delete_geometry enable_disable_geometry
@@ -44,7 +47,7 @@ for rays in 1 4 8 16; do
 done
 runs=""
 for test in $tests; do
-  case $test in update.*|*subdivs|*.grids|*.sphere.subdiv|*.plane.subdiv) end="" ;; *) end=".*" ;; esac
+  case $test in update.* | *subdivs | *.grids | *.sphere.subdiv | *.plane.subdiv) end="" ;; *) end=".*" ;; esac
   runs="$runs --run $isa.$test$end"
 done
 
@@ -70,7 +73,11 @@ for kind in $kinds; do
   if [ "$status" != 0 ] || [ "$(wc -l < "cbvh.$kind")" -le 700 ]; then
     verify uncompressed
     [ "$(wc -l < uncompressed)" -gt 700 ] ||
-      { tail -n 20 log; echo "too few tests pass without compression, status $status" >&2; exit 1; }
+      {
+        tail -n 20 log
+        echo "too few tests pass without compression, status $status" >&2
+        exit 1
+      }
   elif [ -s "cbvh.$kind.lost" ]; then
     runs=$(sed 's/^/--run /' "cbvh.$kind.lost" | sort -u | tr '\n' ' ')
     verify uncompressed

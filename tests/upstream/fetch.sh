@@ -9,11 +9,17 @@
 #   fetch.sh FETCH-SCRIPT
 set -eu
 fetch=$1
-command -v apt-get > /dev/null || { echo "skipped: no apt-get"; exit 77; }
+command -v apt-get > /dev/null || {
+  echo "skipped: no apt-get"
+  exit 77
+}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 chmod 755 "$work"
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 
 # suite MIRROR SUITE ORIGIN [VERSION]: creates an index of one program, and of the source package `thing` in this
 # version
@@ -58,7 +64,7 @@ suite() {
 machine() {
   name=$1
   mkdir -p "$work/$name/sources" "$work/$name/state/lists/partial" "$work/$name/cache/archives/partial"
-  cat > "$work/$name/apt.conf" <<CONF
+  cat > "$work/$name/apt.conf" << CONF
 Dir::Etc::SourceList "/dev/null";
 Dir::Etc::SourceParts "$work/$name/sources";
 Dir::State "$work/$name/state";
@@ -75,13 +81,19 @@ get() {
   APT_CONFIG=$work/$name/apt.conf sh "$fetch" thing 3.1+dfsg "$work/got" old > "$work/log" 2>&1
 }
 finds() {
-  get || { cat "$work/log"; fail "$name: nothing was found"; }
+  get || {
+    cat "$work/log"
+    fail "$name: nothing was found"
+  }
   [ "$(cat "$work/got/thing_3.1+dfsg.orig.tar.xz")" = "archive of $1" ] || fail "$name: this is not the archive of $1"
   echo "$name: found"
 }
 refuses() {
   ! get || fail "$name: something was found"
-  tail -n 1 "$work/log" | grep -q "$1" || { cat "$work/log"; fail "$name: the last line lacks: $1"; }
+  tail -n 1 "$work/log" | grep -q "$1" || {
+    cat "$work/log"
+    fail "$name: the last line lacks: $1"
+  }
   [ -z "$(ls "$work/got")" ] || fail "$name: files were left"
   echo "$name: $(tail -n 1 "$work/log")"
 }
@@ -131,5 +143,8 @@ mkdir "$work/bin"
 ln -s "$(command -v sh)" "$work/bin/sh"
 PATH=$work/bin sh "$fetch" thing 3.1+dfsg "$work/got" old > "$work/log" 2>&1 && fail "$name: something was found"
 grep -q "no apt-get" "$work/log" ||
-  { cat "$work/log"; fail "$name: the message does not contain the reason"; }
+  {
+    cat "$work/log"
+    fail "$name: the message does not contain the reason"
+  }
 echo passed

@@ -12,25 +12,36 @@ cd "$1"
 failed=0
 
 # begin FOLDER: the following checks refer to subfolders of FOLDER
-begin() { folder=$1 checked= ; }
+begin() { folder=$1 checked=; }
 
 # check SUBFOLDER LOWER...: SUBFOLDER may include headers of itself and of the subfolders LOWER
 check() {
-  subfolder=$1; shift
+  subfolder=$1
+  shift
   checked="$checked|$subfolder"
-  [ -d "$folder/$subfolder" ] || { echo "no folder $folder/$subfolder"; failed=1; }
+  [ -d "$folder/$subfolder" ] || {
+    echo "no folder $folder/$subfolder"
+    failed=1
+  }
   for path in "$folder"/*/; do
     other=$(basename "$path")
     case " $subfolder $* " in *" $other "*) continue ;; esac
     found=$(grep -rnE "#include \"(\.\./)+($folder/)?$other/" "$folder/$subfolder" || true)
-    [ -z "$found" ] || { echo "$found"; failed=1; }
+    [ -z "$found" ] || {
+      echo "$found"
+      failed=1
+    }
   done
 }
 
 # Ends the checks of a folder; fails if a subfolder was not checked.
 end() {
   for path in "$folder"/*/; do
-    case "$checked|" in *"|$(basename "$path")|"*) ;; *) echo "no check of $path"; failed=1 ;; esac
+    case "$checked|" in *"|$(basename "$path")|"*) ;; *)
+      echo "no check of $path"
+      failed=1
+      ;;
+    esac
   done
 }
 
@@ -62,6 +73,9 @@ end
 
 # Interfaces outside of libembree3 include the headers of core, which therefore must not include Embree's headers.
 found=$(grep -nE '#include "(\.\./)+(cbvh/)?(embree|common)/' cbvh/core/*.h || true)
-[ -z "$found" ] || { echo "$found"; failed=1; }
+[ -z "$found" ] || {
+  echo "$found"
+  failed=1
+}
 
 exit $failed

@@ -23,8 +23,12 @@ def main():
         environment = dict(os.environ, CCACHE_DIR=folder + "/cache")
 
         def compile_with_cache(*options):
-            subprocess.run(command + ["-fpch-preprocess", "-MD", "-MF", "dependencies", *options], cwd=folder,
-                           env=environment, check=True)
+            subprocess.run(
+                command + ["-fpch-preprocess", "-MD", "-MF", "dependencies", *options],
+                cwd=folder,
+                env=environment,
+                check=True,
+            )
 
         built = Path(folder, "built")
         for version in VERSIONS:
@@ -36,8 +40,9 @@ def main():
             built.mkdir()
             shutil.copy(Path(folder, "all.h"), built)
             compile_with_cache("-I.", "-x", "c++-header", "-c", "all.h", "-o", "built/all.h.gch")
-            compile_with_cache("-I.", "-include", "built/all.h", "-Winvalid-pch", "-Werror", "-c", "source.cpp", "-o",
-                               "source.o")
+            compile_with_cache(
+                "-I.", "-include", "built/all.h", "-Winvalid-pch", "-Werror", "-c", "source.cpp", "-o", "source.o"
+            )
 
 
 if __name__ == "__main__":

@@ -16,22 +16,33 @@ cp -r "$here/../../kernels/upstream" "$work/upstream"
 cd "$work"
 
 # provide ARCHIVE [CMAKE-OPTION...]: performs the steps of a configure, into $work/tree.
-cat > provide.cmake <<'CMAKE'
+cat > provide.cmake << 'CMAKE'
 include(${CMAKE_CURRENT_LIST_DIR}/upstream/upstream.cmake)
 upstream_provide(${CMAKE_CURRENT_LIST_DIR}/tree)
 CMAKE
 provide() {
-  file=$1; shift
+  file=$1
+  shift
   "$cmake" -DEMBREE_UPSTREAM_ARCHIVE="$file" -DEMBREE_UPSTREAM_CACHE="$work/cache" "$@" -P provide.cmake
 }
-fail() { echo "FAILED: $*" >&2; exit 1; }
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
 # refuses TEXT PROVIDE-ARGUMENT...: expects a failure with one line that contains the text, without a tree or other
 # files.
 refuses() {
-  text=$1; shift
+  text=$1
+  shift
   ! provide "$@" > log 2>&1 || fail "an invalid source is accepted: expected an error with \"$text\""
-  grep -q "^ *upstream: .*$text" log || { cat log; fail "the message does not contain \"$text\""; }
-  [ "$(grep -c 'upstream: ' log)" = 1 ] || { cat log; fail "the message does not have one line: $text"; }
+  grep -q "^ *upstream: .*$text" log || {
+    cat log
+    fail "the message does not contain \"$text\""
+  }
+  [ "$(grep -c 'upstream: ' log)" = 1 ] || {
+    cat log
+    fail "the message does not have one line: $text"
+  }
   for left in tree* cache/.download* cache/*.part; do
     [ ! -e "$left" ] || fail "$left remains after the error \"$text\""
   done
@@ -50,7 +61,10 @@ sum_of() { sha256sum "$1" | cut -d ' ' -f 1; }
 sum=$(sum_of "$archive")
 head -c 1000000 "$archive" > truncated.tar.xz
 refuses "truncated.tar.xz.*$(sum_of truncated.tar.xz).*[^0-9]1000000 bytes.*$sum" "$work/truncated.tar.xz"
-{ cat "$archive"; echo; } > longer.tar.xz
+{
+  cat "$archive"
+  echo
+} > longer.tar.xz
 refuses "longer.tar.xz.*$(sum_of longer.tar.xz).*$sum" "$work/longer.tar.xz"
 : > empty.tar.xz
 refuses "empty.tar.xz.*$(sum_of empty.tar.xz).*[^0-9]0 bytes.*$sum" "$work/empty.tar.xz"
@@ -62,7 +76,10 @@ mkdir bin
 printf '#!/bin/sh\necho "no answer" >&2\nexit 1\n' > bin/fetch.sh
 cp upstream/fetch.sh kept.sh
 install -m 755 bin/fetch.sh upstream/fetch.sh
-(unset EMBREE_UPSTREAM_FALLBACK; refuses "embree .*no answer" "")
+(
+  unset EMBREE_UPSTREAM_FALLBACK
+  refuses "embree .*no answer" ""
+)
 printf '#!/bin/sh\necho other > "$3/embree.orig.tar.xz"\n' > bin/fetch.sh
 install -m 755 bin/fetch.sh upstream/fetch.sh
 refuses "$(echo other | sum_of -).*$sum" ""
@@ -109,7 +126,10 @@ changed=$(find tree -type f -newer mark ! -name .cbvh-stamp)
 echo 'cmake_language(DEFER CALL message FATAL_ERROR "interrupted")' > interrupt.cmake
 ! "$cmake" -S "$here/../.." -B interrupted -DEMBREE_UPSTREAM_ARCHIVE="$archive" \
   -DCMAKE_PROJECT_embree3_INCLUDE="$work/interrupt.cmake" > log 2>&1 || fail "the configure was not interrupted"
-grep -q interrupted log || { cat log; fail "the configure failed by itself"; }
+grep -q interrupted log || {
+  cat log
+  fail "the configure failed by itself"
+}
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' interrupted/CMakeCache.txt)
 grep -q "^SET(EMBREE_CBVH_VERSION $version)" interrupted/embree/embree-config-install.cmake ||
   fail "the CMake package of an interrupted configure lacks our version"

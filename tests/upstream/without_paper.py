@@ -18,9 +18,15 @@ import sys
 
 from compile_commands import syntax_check
 
-SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp",
-           "building/builder.cpp", "files/loaded_surface.cpp",
-           "core/compression.cpp", "api/settings.cpp")
+SOURCES = (
+    "traversal/intersector1.cpp",
+    "traversal/intersectorK.cpp",
+    "traversal/thread_cache.cpp",
+    "building/builder.cpp",
+    "files/loaded_surface.cpp",
+    "core/compression.cpp",
+    "api/settings.cpp",
+)
 LAYOUT = {"block.h", "morton.h"}  # in framed/: headers that identify blocks with frames in files
 MOST_FILES_OF_A_RAY = 45  # static and moving grids of vertices
 MOST_FILES_OF_MESH_BLOCKS = 6  # in addition
@@ -39,8 +45,9 @@ def main():
             errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
             failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))
         paths = map(os.path.normpath, re.findall(r"^\.+ (\S+)$", run.stderr, re.MULTILINE))
-        ours = {match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths)
-                if match}
+        ours = {
+            match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths) if match
+        }
         framed = sorted(path for path in ours if "/framed/" in path and path.rsplit("/", 1)[1] not in LAYOUT)
         if framed:
             failures.append(f"{source} includes {', '.join(framed)}")

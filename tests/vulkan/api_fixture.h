@@ -10,24 +10,18 @@
 
 namespace cbvh::test {
 
-class VulkanAPI : public VulkanTest
-{
+class VulkanAPI : public VulkanTest {
 protected:
-  void expectMessage(const std::vector<std::string>& parts)
-  {
-    EXPECT_TRUE(containsInOrder(embree.message, parts));
-  }
+  void expectMessage(const std::vector<std::string>& parts) { EXPECT_TRUE(containsInOrder(embree.message, parts)); }
 
-  void expectError(RTCError code, const std::vector<std::string>& parts)
-  {
+  void expectError(RTCError code, const std::vector<std::string>& parts) {
     EXPECT_EQ(embree.takeError(), code) << embree.message;
     expectMessage(parts);
   }
 
   void expectNoError() { EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message; }
 
-  VulkanScene upload(RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
-  {
+  VulkanScene upload(RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO) {
     return newVulkanScene(device, scene, memory);
   }
 };

@@ -7,10 +7,18 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types : require
 
-struct Range { int a; };
-struct Vector { float x; };
-struct Real { float value; };
-struct WordsAt { uint a; };
+struct Range {
+  int a;
+};
+struct Vector {
+  float x;
+};
+struct Real {
+  float value;
+};
+struct WordsAt {
+  uint a;
+};
 float morton, isInside, wordAt, hitBox, hitLip;
 
 #define CBVH_LEAF_KINDS kinds
@@ -20,17 +28,19 @@ layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;
 #endif
 #include <embree3/cbvh.glsl>
 
-float minimum (float a) { return a; }
+float minimum(float a) { return a; }
 const int maxLevel = 3;
-struct Wide { float value; };
-uint32_t referenceType (uint32_t a) { return a; }
+struct Wide {
+  float value;
+};
+uint32_t referenceType(uint32_t a) { return a; }
 
 layout(local_size_x = 64) in;
-layout(push_constant) uniform Arguments { uvec2 scene; } arguments;
+layout(push_constant) uniform Arguments { uvec2 scene; }
+arguments;
 layout(std430, binding = 0) buffer Out { float t[]; };
 
-void main ()
-{
+void main() {
   CbvhRay ray = CbvhRay(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 1e30, 0xFFFFFFFFu, 0.5);
   CbvhHit hit;
   uint i = gl_GlobalInvocationID.x;

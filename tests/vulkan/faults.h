@@ -17,8 +17,7 @@
 
 namespace cbvh::test {
 
-class Faults
-{
+class Faults {
 public:
   explicit Faults(PFN_vkGetInstanceProcAddr next);
   ~Faults();
@@ -33,8 +32,7 @@ public:
 
   // --- failures ---
 
-  enum When
-  {
+  enum When {
     INSTEAD, // the function is not called
     AFTER    // the function is called, but its result is replaced, as if a device is lost during a wait
   };
@@ -75,13 +73,17 @@ public:
   // Number of destroyed handles that were not live.
   size_t strangers() const { return numStrangers; }
 
-  unsigned calls(const std::string& function) const;   // since the beginning
-  VkDeviceSize lastAllocation() const { return allocated; }  // requested bytes, including failed requests
-  size_t lastCache() const { return cacheBytes; }            // size of the data from which a pipeline cache was created
+  unsigned calls(const std::string& function) const;        // since the beginning
+  VkDeviceSize lastAllocation() const { return allocated; } // requested bytes, including failed requests
+  size_t lastCache() const { return cacheBytes; }           // size of the data from which a pipeline cache was created
 
   // --- used by the wrapper ---
 
-  struct Failure { bool now; VkResult result; When when; };
+  struct Failure {
+    bool now;
+    VkResult result;
+    When when;
+  };
   Failure called(const char* function);
   void created(const char* kind, const void* handle);
   void destroyed(const char* kind, const void* handle);

@@ -14,10 +14,13 @@
 namespace cbvh::test {
 
 // A result that a test returns from a function, and the expected error of Embree.
-struct Fault { VkResult result; const char* name; RTCError error; };
+struct Fault {
+  VkResult result;
+  const char* name;
+  RTCError error;
+};
 
-inline Fault faultOf(const std::string& function)
-{
+inline Fault faultOf(const std::string& function) {
   if (function == "MapMemory")
     return {VK_ERROR_MEMORY_MAP_FAILED, "VK_ERROR_MEMORY_MAP_FAILED", RTC_ERROR_OUT_OF_MEMORY};
   if (function == "GetMemoryHostPointerPropertiesEXT")
@@ -30,17 +33,14 @@ inline Fault faultOf(const std::string& function)
 }
 
 // True for functions whose failure is not an error: it only affects the cache file, a time or a poll.
-inline bool isOptional(const std::string& function)
-{
+inline bool isOptional(const std::string& function) {
   return function == "GetPipelineCacheData" || function == "GetQueryPoolResults" || function == "GetFenceStatus";
 }
 
-class VulkanFaults : public VulkanTest
-{
+class VulkanFaults : public VulkanTest {
 protected:
   // The fixture's Vulkan device, which uses Faults.
-  void SetUp() override
-  {
+  void SetUp() override {
     VulkanTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     device.reset();
@@ -50,8 +50,7 @@ protected:
     ASSERT_TRUE(device) << embree.message;
   }
 
-  void TearDown() override
-  {
+  void TearDown() override {
     if (faults) {
       faults->failNothing();
       device.reset();
@@ -63,8 +62,7 @@ protected:
   }
 
   // Opens the device again, with the properties that Faults now reports.
-  void reopen()
-  {
+  void reopen() {
     device.reset();
     device = open(vulkan->handles);
     ASSERT_TRUE(device) << embree.message;
@@ -72,11 +70,9 @@ protected:
 
   // Makes the first call of a function within a step fail, then the second, until a step has fewer calls. The step
   // returns true on success. Returns the number of calls.
-  unsigned failEachCall(const std::string& function, const std::function<bool()>& step)
-  {
+  unsigned failEachCall(const std::string& function, const std::function<bool()>& step) {
     const Fault fault = faultOf(function);
-    for (unsigned n = 1;; n++)
-    {
+    for (unsigned n = 1;; n++) {
       SCOPED_TRACE(testing::Message() << "vk" << function << " fails, call " << n);
       const std::map<std::string, size_t> before = faults->live();
       embree.message.clear();
@@ -107,8 +103,7 @@ protected:
   }
 
   // Tests every function in turn. Returns the names of the called functions.
-  std::vector<std::string> failEverything(const std::function<bool()>& step)
-  {
+  std::vector<std::string> failEverything(const std::function<bool()>& step) {
     std::vector<std::string> called;
     for (const std::string& function : Faults::fallible())
       if (failEachCall(function, step)) called.push_back(function);
@@ -118,11 +113,10 @@ protected:
   std::unique_ptr<Faults> faults;
 };
 
-inline void expectAll(const std::vector<std::string>& called, const std::vector<std::string>& expected)
-{
+inline void expectAll(const std::vector<std::string>& called, const std::vector<std::string>& expected) {
   for (const std::string& function : expected)
     EXPECT_TRUE(std::find(called.begin(), called.end(), function) != called.end())
-      << "vk" << function << " was not called, so it is not tested";
+        << "vk" << function << " was not called, so it is not tested";
 }
 
 } // namespace cbvh::test

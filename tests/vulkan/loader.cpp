@@ -8,8 +8,7 @@
 #include <dlfcn.h>
 
 extern "C" __attribute__((visibility("default"))) PFN_vkVoidFunction vkGetInstanceProcAddr(VkInstance instance,
-                                                                                           const char* name)
-{
+                                                                                           const char* name) {
   const auto get = PFN_vkGetInstanceProcAddr(dlsym(RTLD_DEFAULT, "cbvhTestGetInstanceProcAddr"));
   return get ? get(instance, name) : nullptr;
 }

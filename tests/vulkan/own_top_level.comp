@@ -12,25 +12,24 @@
 #include <embree3/cbvh.glsl>
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Arguments
-{
+layout(push_constant, scalar) uniform Arguments {
   uvec2 scene;
   uvec2 topLevel;
   uvec2 rays;
   uint count;
-  float offset;   // position of the scene in the application's world, along x
-} arguments;
+  float offset; // position of the scene in the application's world, along x
+}
+arguments;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Rays { float at[]; };
 
 const uint triangleName = 1000u;
 
-void main ()
-{
+void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= arguments.count) return;
   Rays rays = Rays(arguments.rays);
-  uint w = 20u*i;
+  uint w = 20u * i;
   vec3 origin = vec3(rays.at[w], rays.at[w + 1u], rays.at[w + 2u]),
        direction = vec3(rays.at[w + 4u], rays.at[w + 5u], rays.at[w + 6u]);
   CbvhRay ray = CbvhRay(origin - vec3(arguments.offset, 0.0, 0.0), rays.at[w + 3u], direction, rays.at[w + 8u],

@@ -12,8 +12,7 @@
 namespace cbvh::test {
 namespace {
 
-void check(VkResult result, const char* doing)
-{
+void check(VkResult result, const char* doing) {
   if (result != VK_SUCCESS)
     throw std::runtime_error(std::string(doing) + " failed: VkResult " + std::to_string(result));
 }
@@ -21,8 +20,7 @@ void check(VkResult result, const char* doing)
 } // namespace
 
 RayBuffer::RayBuffer(const RTCVulkanDeviceHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage)
-  : handles(handles)
-{
+  : handles(handles) {
   VkBufferCreateInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   info.size = bytes;
@@ -54,14 +52,12 @@ RayBuffer::RayBuffer(const RTCVulkanDeviceHandles& handles, const void* data, si
   address = vkGetBufferDeviceAddress(handles.device, &addressInfo);
 }
 
-RayBuffer::~RayBuffer()
-{
+RayBuffer::~RayBuffer() {
   vkDestroyBuffer(handles.device, buffer, nullptr);
   vkFreeMemory(handles.device, memory, nullptr);
 }
 
-RecordedTrace::RecordedTrace(const RTCVulkanDeviceHandles& handles) : handles(handles)
-{
+RecordedTrace::RecordedTrace(const RTCVulkanDeviceHandles& handles) : handles(handles) {
   VkCommandPoolCreateInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
   info.queueFamilyIndex = handles.queueFamily;
@@ -76,8 +72,7 @@ RecordedTrace::RecordedTrace(const RTCVulkanDeviceHandles& handles) : handles(ha
 
 RecordedTrace::~RecordedTrace() { vkDestroyCommandPool(handles.device, pool, nullptr); }
 
-void RecordedTrace::record(const std::function<void(VkCommandBuffer)>& trace)
-{
+void RecordedTrace::record(const std::function<void(VkCommandBuffer)>& trace) {
   VkCommandBufferBeginInfo begin = {};
   begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
   check(vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
@@ -91,8 +86,7 @@ void RecordedTrace::record(const std::function<void(VkCommandBuffer)>& trace)
   check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
 }
 
-void RecordedTrace::submitAndWait()
-{
+void RecordedTrace::submitAndWait() {
   VkSubmitInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
   info.commandBufferCount = 1;
@@ -101,8 +95,7 @@ void RecordedTrace::submitAndWait()
   check(vkQueueWaitIdle(handles.queue), "vkQueueWaitIdle");
 }
 
-void RecordedTrace::copy(VkCommandBuffer commands, const RayBuffer& from, const RayBuffer& to, size_t bytes)
-{
+void RecordedTrace::copy(VkCommandBuffer commands, const RayBuffer& from, const RayBuffer& to, size_t bytes) {
   const VkBufferCopy all = {0, 0, bytes};
   vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &all);
 }

@@ -12,8 +12,7 @@
 namespace cbvh::test {
 
 // Host-visible memory with a device address.
-class RayBuffer
-{
+class RayBuffer {
 public:
   // Throws std::runtime_error with the name of the failed call.
   // data: may be NULL; usage: in addition to storage, address and copies
@@ -32,8 +31,7 @@ private:
 };
 
 // A command buffer that is recorded once.
-class RecordedTrace
-{
+class RecordedTrace {
 public:
   explicit RecordedTrace(const RTCVulkanDeviceHandles& handles);
   ~RecordedTrace();

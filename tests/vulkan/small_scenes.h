@@ -10,8 +10,7 @@
 namespace cbvh::test {
 
 // A triangle at a height over a part of [-1,1]^2; committed, not attached.
-inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1)
-{
+inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
   for (unsigned t = 0; t < timeSteps; t++)
@@ -23,12 +22,11 @@ inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1
 }
 
 // A committed instance that is not attached.
-inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsigned timeSteps = 1)
-{
+inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsigned timeSteps = 1) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, scene);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  const float transform[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,z};
+  const float transform[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, z};
   for (unsigned t = 0; t < timeSteps; t++)
     rtcSetGeometryTransform(geometry, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
   rtcCommitGeometry(geometry);
@@ -36,8 +34,7 @@ inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsign
 }
 
 // Settings of surfaces without displacement.
-inline SurfaceSettings smallSurface(RTCCompression compression)
-{
+inline SurfaceSettings smallSurface(RTCCompression compression) {
   SurfaceSettings settings;
   settings.rate = 8;
   settings.compression = compression;
@@ -49,8 +46,7 @@ const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, 
                                    RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT};
 
 // With a displacement that must outlive the surface.
-inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate)
-{
+inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate) {
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.compression = compression;
@@ -60,10 +56,9 @@ inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompress
 }
 
 // Side by side, each with its own bit of the mask. The displacements must outlive them.
-inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement (&displacements)[5])
-{
+inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement (&displacements)[5]) {
   for (unsigned i = 0; i < 5; i++) {
-    displacements[i].offset = {0.8f*float(i) - 1.6f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
+    displacements[i].offset = {0.8f * float(i) - 1.6f, 0.3f * float(i % 2), 0.2f * float(i % 3)};
     displacements[i].scale = 0.5f;
     SurfaceSettings settings = displacedSettings(displacements[i], allKinds[i], 16);
     settings.mask = 1u << i;
@@ -72,16 +67,14 @@ inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement
 }
 
 // Rays for attachMovingInstances: at random times, half of them with random masks.
-inline std::vector<RTCRayHit> maskedTimedRays(Random& random, unsigned count)
-{
+inline std::vector<RTCRayHit> maskedTimedRays(Random& random, unsigned count) {
   std::vector<RTCRayHit> rays = timedRays(random, count);
   for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
   return rays;
 }
 
 // 30 instances with 1 to 4 time steps, some with a part of the time range, with one of four mask bits.
-inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene inside, Random& random)
-{
+inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene inside, Random& random) {
   for (unsigned i = 0; i < 30; i++) {
     const unsigned timeSteps = 1 + i % 4;
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -90,10 +83,10 @@ inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene ins
     if (timeSteps > 1 && i % 3 == 0) rtcSetGeometryTimeRange(instance, 0.2f, 0.7f);
     float transform[12];
     // not nearly singular
-    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06*random.normal());
+    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06 * random.normal());
     for (int k = 9; k < 12; k++) transform[k] = float(random.uniform(-1.2, 1.2));
     for (unsigned t = 0; t < timeSteps; t++) {
-      for (float& x : transform) x += float(0.05*random.normal());
+      for (float& x : transform) x += float(0.05 * random.normal());
       rtcSetGeometryTransform(instance, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
     }
     rtcSetGeometryMask(instance, 1u << (i % 4));
@@ -103,14 +96,15 @@ inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene ins
 }
 
 // Instances, static and moving, with a transform for which Embree leaves them out.
-inline void attachInvalidInstances(RTCDevice device, RTCScene scene, RTCScene inside)
-{
-  struct { int entry; float value; } changes[] = {{4, NAN}, {10, NAN}, {0, INFINITY}, {9, -INFINITY}, {8, 1e19f},
-    {11, 1e19f}, {3, 3e38f}};
+inline void attachInvalidInstances(RTCDevice device, RTCScene scene, RTCScene inside) {
+  struct {
+    int entry;
+    float value;
+  } changes[] = {{4, NAN}, {10, NAN}, {0, INFINITY}, {9, -INFINITY}, {8, 1e19f}, {11, 1e19f}, {3, 3e38f}};
   for (const auto& change : changes)
     for (unsigned timeSteps : {1u, 2u}) {
       RTCGeometry instance = newInstance(device, inside, 0, timeSteps);
-      float transform[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
+      float transform[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
       transform[change.entry] = change.value;
       rtcSetGeometryTransform(instance, timeSteps - 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
       rtcCommitGeometry(instance);
@@ -119,11 +113,9 @@ inline void attachInvalidInstances(RTCDevice device, RTCScene scene, RTCScene in
 }
 
 // Geometry 0 is a compressed surface around z = 0; geometry 1 is a triangle at z = 1 above one half of it.
-class SmallScene : public Scene
-{
+class SmallScene : public Scene {
 public:
-  explicit SmallScene(RTCDevice device, RTCCompression compression = RTC_COMPRESSION_CLEAF) : Scene(device)
-  {
+  explicit SmallScene(RTCDevice device, RTCCompression compression = RTC_COMPRESSION_CLEAF) : Scene(device) {
     addSurface(device, *this, sheetCage(2), smallSurface(compression));
     attach(*this, newTriangle(device, 1));
     rtcCommitScene(*this);
@@ -131,8 +123,7 @@ public:
 };
 
 // Rays from above: at the triangle, at the surface, and past both.
-inline std::vector<RTCRayHit> raysFromAbove()
-{
+inline std::vector<RTCRayHit> raysFromAbove() {
   std::vector<RTCRayHit> rays;
   for (const Vec& org :
        {Vec{-0.5f, -0.4f, 5}, Vec{0.4f, 0.5f, 5}, Vec{7, 7, 5}, Vec{-0.6f, 0.2f, 5}, Vec{0.3f, 0.7f, 0.5f}})
@@ -140,8 +131,7 @@ inline std::vector<RTCRayHit> raysFromAbove()
   return rays;
 }
 
-inline std::vector<RTCRay> withoutHits(const std::vector<RTCRayHit>& rays)
-{
+inline std::vector<RTCRay> withoutHits(const std::vector<RTCRayHit>& rays) {
   std::vector<RTCRay> out;
   for (const RTCRayHit& ray : rays) out.push_back(ray.ray);
   return out;
@@ -149,31 +139,26 @@ inline std::vector<RTCRay> withoutHits(const std::vector<RTCRayHit>& rays)
 
 // Compares bits.
 template<typename Ray>
-bool areSame(const std::vector<Ray>& a, const std::vector<Ray>& b)
-{
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()*sizeof(Ray)) == 0);
+bool areSame(const std::vector<Ray>& a, const std::vector<Ray>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Ray)) == 0);
 }
 
 // Replaces rays by their hits. Returns false on failure, with unchanged rays.
-inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTraceTimes* times = nullptr)
-{
+inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTraceTimes* times = nullptr) {
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(scene, rays.data(), rays.size());
   return trace && rtcFinishVulkanTrace(trace, rays.data(), times);
 }
-inline bool trace(RTCVulkanScene scene, std::vector<RTCRay>& rays, RTCVulkanTraceTimes* times = nullptr)
-{
+inline bool trace(RTCVulkanScene scene, std::vector<RTCRay>& rays, RTCVulkanTraceTimes* times = nullptr) {
   const RTCVulkanTrace trace = rtcStartVulkanOccluded(scene, rays.data(), rays.size());
   return trace && rtcFinishVulkanTrace(trace, rays.data(), times);
 }
 
-inline std::vector<RTCRayHit> traceAll(RTCVulkanScene scene, std::vector<RTCRayHit> rays)
-{
+inline std::vector<RTCRayHit> traceAll(RTCVulkanScene scene, std::vector<RTCRayHit> rays) {
   EXPECT_TRUE(trace(scene, rays));
   return rays;
 }
 
-inline void expectAsOnTheCPU(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::vector<RTCRayHit>& traced)
-{
+inline void expectAsOnTheCPU(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::vector<RTCRayHit>& traced) {
   for (size_t i = 0; i < rays.size(); i++) {
     SCOPED_TRACE(testing::Message() << "ray " << i);
     const RTCRayHit expected = intersect(scene, rays[i]);

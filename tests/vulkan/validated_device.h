@@ -22,11 +22,10 @@ namespace cbvh::test {
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // Warnings and errors of the validation layer, from any thread.
-class Messages
-{
+class Messages {
 public:
   void add(const std::string& message);
-  std::vector<std::string> take();   // messages since the last call
+  std::vector<std::string> take(); // messages since the last call
 
 private:
   std::mutex mutex;
@@ -34,8 +33,7 @@ private:
 };
 
 // Adds the validation layer and its messenger to an instance.
-class Validation
-{
+class Validation {
 public:
   // gpuAssisted: instruments shaders to check their memory accesses.
   explicit Validation(bool gpuAssisted = false);
@@ -63,16 +61,14 @@ private:
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
 };
 
-struct DeviceOptions
-{
+struct DeviceOptions {
   bool hasFloat64 = true;
   bool hasHostImport = true;
   bool hasRayQuery = true;
   bool isGpuAssisted = false;
 };
 
-class ValidatedDevice
-{
+class ValidatedDevice {
 public:
   using Options = DeviceOptions;
 
@@ -105,8 +101,7 @@ void useCacheFolderOfTests();
 
 // --- owners of the library's objects ----------------------------------------------------------
 
-struct VulkanRelease
-{
+struct VulkanRelease {
   void operator()(RTCVulkanDevice device) const { rtcReleaseVulkanDevice(device); }
   void operator()(RTCVulkanScene scene) const { rtcReleaseVulkanScene(scene); }
 };
@@ -114,16 +109,14 @@ using VulkanDevice = std::unique_ptr<RTCVulkanDeviceTy, VulkanRelease>;
 using VulkanScene = std::unique_ptr<RTCVulkanSceneTy, VulkanRelease>;
 
 inline VulkanScene newVulkanScene(const VulkanDevice& device, RTCScene scene,
-                                  RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
-{
+                                  RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO) {
   RTCVulkanSceneArguments args = {};
   args.memory = memory;
   return VulkanScene(rtcNewVulkanScene(device.get(), scene, &args));
 }
 
 // A scene for ray queries.
-inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTCVulkanScene previous = nullptr)
-{
+inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTCVulkanScene previous = nullptr) {
   RTCVulkanSceneArguments args = {};
   args.traversal = RTC_VULKAN_TRAVERSAL_RAY_QUERY;
   args.previousScene = previous;
@@ -133,14 +126,12 @@ inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTC
 // --- fixture ---------------------------------------------------------------------------------
 
 // An Embree device, and a Vulkan device that the library uses.
-struct VulkanDevices
-{
+struct VulkanDevices {
   // Opens both. Fails the test if this fails.
   void openAll();
 
   // Opens another library device on a VkDevice.
-  VulkanDevice open(const RTCVulkanDeviceHandles& handles)
-  {
+  VulkanDevice open(const RTCVulkanDeviceHandles& handles) {
     return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
   }
 
@@ -150,8 +141,7 @@ struct VulkanDevices
 };
 
 // Opens devices for each test. Skips the test if there is none. Errors that the test does not retrieve fail the test.
-class VulkanTest : public testing::Test, protected VulkanDevices
-{
+class VulkanTest : public testing::Test, protected VulkanDevices {
 protected:
   void SetUp() override;
   void TearDown() override;
@@ -160,8 +150,7 @@ protected:
 /* As VulkanTest, but all tests of the suite share the devices, because compiling the shaders takes longer than most
  * tests. Messages of the validation layer fail the test that causes them; messages about objects that still exist when
  * the devices are destroyed fail the suite. */
-class SharedVulkanTest : public testing::Test
-{
+class SharedVulkanTest : public testing::Test {
   static std::unique_ptr<VulkanDevices> shared;
 
 protected:

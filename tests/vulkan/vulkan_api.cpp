@@ -13,13 +13,11 @@
 #include <cctype>
 #include <functional>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // --- validation itself ---------------------------------------------------------------------------
 
-TEST(Validation, ReportsLeaksAndMissingSynchronization)
-{
+TEST(Validation, ReportsLeaksAndMissingSynchronization) {
   useCacheFolderOfTests();
   if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
   if (!Validation::isInstalled()) GTEST_SKIP() << "no validation layer";
@@ -44,13 +42,12 @@ TEST(Validation, ReportsLeaksAndMissingSynchronization)
   EXPECT_TRUE(has(messages, "SYNC-HAZARD-WRITE-AFTER-WRITE")) << messages;
   // The validation layers of Debian 12 and 13 number the same rule differently.
   EXPECT_TRUE(has(messages, "VUID-vkDestroyDevice-device-00378") || has(messages, "VUID-vkDestroyDevice-device-05137"))
-    << messages;
+      << messages;
 }
 
 // --- arguments ---------------------------------------------------------------------------------
 
-TEST_F(VulkanAPI, NullArgumentsAreReportedByName)
-{
+TEST_F(VulkanAPI, NullArgumentsAreReportedByName) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   ASSERT_TRUE(uploaded) << embree.message;
@@ -74,13 +71,11 @@ TEST_F(VulkanAPI, NullArgumentsAreReportedByName)
 }
 
 // Checks that precede opening a device require neither a device nor a loader.
-TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
-{
+TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened) {
   Device embree;
   const auto expectWrong = [&](const char* name, size_t size, size_t accepted) {
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-    EXPECT_TRUE(containsInOrder(
-      embree.message, {name, " " + std::to_string(size), " " + std::to_string(accepted)}));
+    EXPECT_TRUE(containsInOrder(embree.message, {name, " " + std::to_string(size), " " + std::to_string(accepted)}));
   };
   RTCVulkanDeviceInfo info = RTCVulkanDeviceInfo();
   RTCVulkanDeviceHandles handles = RTCVulkanDeviceHandles();
@@ -93,7 +88,10 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
     EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &handles), nullptr);
     expectWrong("RTCVulkanDeviceHandles", wrong, sizeof(handles));
   }
-  struct { RTCVulkanDeviceHandles known; size_t more; } newer = {RTCVulkanDeviceHandles(), 1};
+  struct {
+    RTCVulkanDeviceHandles known;
+    size_t more;
+  } newer = {RTCVulkanDeviceHandles(), 1};
   newer.known.structSize = sizeof(newer);
   EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
   expectWrong("RTCVulkanDeviceHandles", sizeof(newer), sizeof(handles));
@@ -105,15 +103,13 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
 
 // A struct of a newer application. more: members of a later version.
 template<typename T>
-struct Newer
-{
+struct Newer {
   T known = T();
   size_t more[2] = {7, 7};
   Newer() { known.structSize = sizeof(*this); }
 };
 
-TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
-{
+TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros) {
   const SmallScene scene(embree);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   Newer<RTCVulkanSceneArguments> arguments;
@@ -150,8 +146,7 @@ TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
   expectNoError();
 }
 
-TEST_F(VulkanAPI, StructsOfTheWrongSizeAreReportedAndNotWritten)
-{
+TEST_F(VulkanAPI, StructsOfTheWrongSizeAreReportedAndNotWritten) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   std::vector<RTCRayHit> rays = raysFromAbove();
@@ -181,8 +176,7 @@ TEST_F(VulkanAPI, StructsOfTheWrongSizeAreReportedAndNotWritten)
 }
 
 // structSize is the stride of an array's entries.
-TEST_F(VulkanAPI, ListsOfDevicesUseTheApplicationsEntrySize)
-{
+TEST_F(VulkanAPI, ListsOfDevicesUseTheApplicationsEntrySize) {
   const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
   ASSERT_GE(count, 1u);
   std::vector<RTCVulkanDeviceInfo> infos(count);
@@ -206,34 +200,33 @@ TEST_F(VulkanAPI, ListsOfDevicesUseTheApplicationsEntrySize)
   EXPECT_STREQ(infos[0].name, "");
 }
 
-TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
-{
+TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   RecordedTrace recorded(vulkan->handles);
   const size_t most = size_t(1) << 27;
   EXPECT_EQ(rtcGetVulkanRayOrderBytes(0), 0u);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
-  EXPECT_GT(rtcGetVulkanRayOrderBytes(most), 16*most);
+  EXPECT_GT(rtcGetVulkanRayOrderBytes(most), 16 * most);
   EXPECT_EQ(rtcGetVulkanRayOrderBytes(most + 1), 0u);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   recorded.record([&](VkCommandBuffer commands) {
-    const struct
-    {
+    const struct {
       VkCommandBuffer commands;
       VkDeviceAddress rays;
       size_t stride, count;
       VkDeviceAddress order;
       std::vector<std::string> message;
-    } wrong[] = {{nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
-                 {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
-                 {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
-                 {commands, 0, 80, 1, 0x2000, {"rays", " 0"}},
-                 {commands, 0x1000, 80, 1, 0, {"order", " 0"}},
-                 {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
-                 {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
-                 {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
-                 {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16), " 2048 bytes"}}};
+    } wrong[] = {
+        {nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
+        {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
+        {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
+        {commands, 0, 80, 1, 0x2000, {"rays", " 0"}},
+        {commands, 0x1000, 80, 1, 0, {"order", " 0"}},
+        {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
+        {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
+        {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
+        {commands, 0x1000, 4096, most / 16, 0x2000, {"stride 4096", std::to_string(most / 16), " 2048 bytes"}}};
     for (const auto& w : wrong) {
       EXPECT_FALSE(rtcRecordVulkanRayOrder(uploaded.get(), w.commands, w.rays, w.stride, w.count, w.order));
       expectError(RTC_ERROR_INVALID_ARGUMENT, w.message);
@@ -243,13 +236,12 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
     EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(uploaded.get(), commands, 0x1000, most + 1, 0x2000));
     expectError(RTC_ERROR_INVALID_ARGUMENT, {std::to_string(most + 1)});
     EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0, 80, 0, 0))
-      << "zero rays are valid: " << embree.message;
+        << "zero rays are valid: " << embree.message;
   });
 }
 
 // More rays than in one dispatch of a device. Nothing is submitted: the layer checks limits when commands are recorded.
-TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits)
-{
+TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits) {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
   rtcCommitScene(scene);
@@ -263,17 +255,16 @@ TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits)
     if (!rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), most, 0x2000))
       expectError(RTC_ERROR_INVALID_ARGUMENT, {std::to_string(most), "maxComputeWorkGroupCount"});
     EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), size_t(1) << 20, 0x2000))
-      << embree.message;
+        << embree.message;
   });
 }
 
 // Their size in bytes would overflow 64 bits.
-TEST_F(VulkanAPI, MoreRaysThanFitIntoMemoryAreAnError)
-{
+TEST_F(VulkanAPI, MoreRaysThanFitIntoMemoryAreAnError) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   const std::vector<RTCRayHit> rays = raysFromAbove();
-  const size_t closest = SIZE_MAX/sizeof(RTCRayHit) + 2, any = SIZE_MAX/sizeof(RTCRay) + 2;
+  const size_t closest = SIZE_MAX / sizeof(RTCRayHit) + 2, any = SIZE_MAX / sizeof(RTCRay) + 2;
   EXPECT_EQ(rtcStartVulkanIntersect(uploaded.get(), rays.data(), closest), nullptr);
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"count " + std::to_string(closest)});
   EXPECT_EQ(rtcStartVulkanOccluded(uploaded.get(), &rays[0].ray, any), nullptr);
@@ -281,8 +272,7 @@ TEST_F(VulkanAPI, MoreRaysThanFitIntoMemoryAreAnError)
 }
 
 // Without an object there is no RTCDevice: the error belongs to the thread.
-TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
-{
+TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread) {
   RTCVulkanDeviceInfo info;
   RTCVulkanDeviceHandles handles;
   RTCVulkanSceneStatistics statistics;
@@ -290,26 +280,26 @@ TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
   RTCRayHit ray = raysFromAbove()[0];
   const VkCommandBuffer commands = VkCommandBuffer(size_t(16));
   const std::function<void()> calls[] = {
-    [] { rtcRetainVulkanDevice(nullptr); },
-    [] { rtcReleaseVulkanDevice(nullptr); },
-    [&] { rtcGetVulkanDeviceInfo(nullptr, &info); },
-    [&] { rtcGetVulkanDeviceHandles(nullptr, &handles); },
-    [&] { EXPECT_EQ(rtcNewVulkanScene(nullptr, scene, nullptr), nullptr); },
-    [] { rtcRetainVulkanScene(nullptr); },
-    [] { rtcReleaseVulkanScene(nullptr); },
-    [] { EXPECT_EQ(rtcGetVulkanSceneAddress(nullptr), 0u); },
-    [] { EXPECT_EQ(rtcGetVulkanSceneLeafKinds(nullptr), 0u); },
-    [&] { rtcGetVulkanSceneStatistics(nullptr, &statistics); },
-    [&] { EXPECT_FALSE(rtcRecordVulkanIntersect(nullptr, commands, 16, 1)); },
-    [&] { EXPECT_FALSE(rtcRecordVulkanOccluded(nullptr, commands, 16, 1)); },
-    [&] { EXPECT_EQ(rtcStartVulkanIntersect(nullptr, &ray, 1), nullptr); },
-    [&] { EXPECT_EQ(rtcStartVulkanOccluded(nullptr, &ray.ray, 1), nullptr); },
-    [&] { EXPECT_FALSE(rtcRecordVulkanRayOrder(nullptr, commands, 16, 80, 1, 16)); },
-    [&] { EXPECT_FALSE(rtcRecordVulkanIntersectInOrder(nullptr, commands, 16, 1, 16)); },
-    [&] { EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(nullptr, commands, 16, 1, 16)); },
-    [] { rtcSetVulkanSceneRaySorting(nullptr, true); },
-    [] { EXPECT_FALSE(rtcIsVulkanTraceDone(nullptr)); },
-    [] { EXPECT_FALSE(rtcFinishVulkanTrace(nullptr, nullptr, nullptr)); }};
+      [] { rtcRetainVulkanDevice(nullptr); },
+      [] { rtcReleaseVulkanDevice(nullptr); },
+      [&] { rtcGetVulkanDeviceInfo(nullptr, &info); },
+      [&] { rtcGetVulkanDeviceHandles(nullptr, &handles); },
+      [&] { EXPECT_EQ(rtcNewVulkanScene(nullptr, scene, nullptr), nullptr); },
+      [] { rtcRetainVulkanScene(nullptr); },
+      [] { rtcReleaseVulkanScene(nullptr); },
+      [] { EXPECT_EQ(rtcGetVulkanSceneAddress(nullptr), 0u); },
+      [] { EXPECT_EQ(rtcGetVulkanSceneLeafKinds(nullptr), 0u); },
+      [&] { rtcGetVulkanSceneStatistics(nullptr, &statistics); },
+      [&] { EXPECT_FALSE(rtcRecordVulkanIntersect(nullptr, commands, 16, 1)); },
+      [&] { EXPECT_FALSE(rtcRecordVulkanOccluded(nullptr, commands, 16, 1)); },
+      [&] { EXPECT_EQ(rtcStartVulkanIntersect(nullptr, &ray, 1), nullptr); },
+      [&] { EXPECT_EQ(rtcStartVulkanOccluded(nullptr, &ray.ray, 1), nullptr); },
+      [&] { EXPECT_FALSE(rtcRecordVulkanRayOrder(nullptr, commands, 16, 80, 1, 16)); },
+      [&] { EXPECT_FALSE(rtcRecordVulkanIntersectInOrder(nullptr, commands, 16, 1, 16)); },
+      [&] { EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(nullptr, commands, 16, 1, 16)); },
+      [] { rtcSetVulkanSceneRaySorting(nullptr, true); },
+      [] { EXPECT_FALSE(rtcIsVulkanTraceDone(nullptr)); },
+      [] { EXPECT_FALSE(rtcFinishVulkanTrace(nullptr, nullptr, nullptr)); }};
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
   for (size_t i = 0; i < std::size(calls); i++) {
     calls[i]();
@@ -317,8 +307,7 @@ TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
   }
 }
 
-TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
-{
+TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread) {
   const VulkanDevice mine(rtcNewVulkanDeviceFromHandles(nullptr, &vulkan->handles));
   ASSERT_TRUE(mine);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
@@ -336,15 +325,14 @@ TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanAPI, MissingOrInvalidHandlesAreReported)
-{
+TEST_F(VulkanAPI, MissingOrInvalidHandlesAreReported) {
   const std::pair<const char*, void (*)(RTCVulkanDeviceHandles&)> removals[] = {
-    {"getInstanceProcAddr", [](RTCVulkanDeviceHandles& h) { h.getInstanceProcAddr = nullptr; }},
-    {"instance", [](RTCVulkanDeviceHandles& h) { h.instance = nullptr; }},
-    {"physicalDevice", [](RTCVulkanDeviceHandles& h) { h.physicalDevice = nullptr; }},
-    {"device", [](RTCVulkanDeviceHandles& h) { h.device = nullptr; }},
-    {"queue", [](RTCVulkanDeviceHandles& h) { h.queue = nullptr; }},
-    {"queueFamily 7000", [](RTCVulkanDeviceHandles& h) { h.queueFamily = 7000; }}};
+      {"getInstanceProcAddr", [](RTCVulkanDeviceHandles& h) { h.getInstanceProcAddr = nullptr; }},
+      {"instance", [](RTCVulkanDeviceHandles& h) { h.instance = nullptr; }},
+      {"physicalDevice", [](RTCVulkanDeviceHandles& h) { h.physicalDevice = nullptr; }},
+      {"device", [](RTCVulkanDeviceHandles& h) { h.device = nullptr; }},
+      {"queue", [](RTCVulkanDeviceHandles& h) { h.queue = nullptr; }},
+      {"queueFamily 7000", [](RTCVulkanDeviceHandles& h) { h.queueFamily = 7000; }}};
   for (const auto& removal : removals) {
     RTCVulkanDeviceHandles handles = vulkan->handles;
     removal.second(handles);
@@ -353,8 +341,7 @@ TEST_F(VulkanAPI, MissingOrInvalidHandlesAreReported)
   }
 }
 
-TEST_F(VulkanAPI, NullAndUnalignedRayAddressesAreErrors)
-{
+TEST_F(VulkanAPI, NullAndUnalignedRayAddressesAreErrors) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   RecordedTrace recorded(vulkan->handles);
@@ -368,8 +355,7 @@ TEST_F(VulkanAPI, NullAndUnalignedRayAddressesAreErrors)
   });
 }
 
-TEST_F(VulkanAPI, InvalidMemoryKindsAreErrors)
-{
+TEST_F(VulkanAPI, InvalidMemoryKindsAreErrors) {
   const SmallScene scene(embree);
   for (int memory : {-1, 3, 1000}) {
     RTCVulkanSceneArguments args;
@@ -379,8 +365,7 @@ TEST_F(VulkanAPI, InvalidMemoryKindsAreErrors)
   }
 }
 
-TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
-{
+TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName) {
   const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
   ASSERT_GE(count, 1u);
   std::vector<RTCVulkanDeviceInfo> infos(count + 1);
@@ -392,7 +377,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
 
   for (unsigned i = 0; i < count; i++)
     for (const std::string& selector : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
-                                     std::string("no such device")}) {
+                                        std::string("no such device")}) {
       EXPECT_EQ(rtcNewVulkanDevice(embree, selector.c_str()), nullptr);
       expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + selector + "'", std::to_string(i) + " " + infos[i].name});
     }
@@ -424,8 +409,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
   }
 }
 
-TEST_F(VulkanAPI, DeviceReportsGivenHandles)
-{
+TEST_F(VulkanAPI, DeviceReportsGivenHandles) {
   RTCVulkanDeviceHandles handles;
   rtcGetVulkanDeviceHandles(device.get(), &handles);
   EXPECT_EQ(handles.device, vulkan->handles.device);
@@ -441,8 +425,7 @@ TEST_F(VulkanAPI, DeviceReportsGivenHandles)
 
 // --- lifetimes -----------------------------------------------------------------------------------
 
-TEST_F(VulkanAPI, ObjectsKeepTheirDependenciesAlive)
-{
+TEST_F(VulkanAPI, ObjectsKeepTheirDependenciesAlive) {
   const std::vector<RTCRayHit> rays = raysFromAbove();
   std::vector<RTCRayHit> traced = rays, expected = rays;
   RTCVulkanTrace trace;
@@ -468,8 +451,7 @@ TEST_F(VulkanAPI, ObjectsKeepTheirDependenciesAlive)
   EXPECT_TRUE(areSame(again, traced));
 }
 
-TEST_F(VulkanAPI, DeviceLivesUntilItIsReleased)
-{
+TEST_F(VulkanAPI, DeviceLivesUntilItIsReleased) {
   RTCVulkanDevice other = open(vulkan->handles).release();
   rtcRetainVulkanDevice(other);
   rtcReleaseVulkanDevice(other);
@@ -480,15 +462,14 @@ TEST_F(VulkanAPI, DeviceLivesUntilItIsReleased)
   expectNoError();
 }
 
-TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
-{
+TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource) {
   Scene scene(embree);
   const unsigned id = attach(scene, newTriangle(embree, 1));
   rtcCommitScene(scene);
   const VulkanScene before = upload(scene, RTC_VULKAN_MEMORY_COPY);
   const RTCGeometry geometry = rtcGetGeometry(scene, id);
   float* z = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-  for (int i = 0; i < 3; i++) z[3*i + 2] = 2;
+  for (int i = 0; i < 3; i++) z[3 * i + 2] = 2;
   rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
   rtcCommitGeometry(geometry);
   EXPECT_FALSE(upload(scene));
@@ -500,5 +481,4 @@ TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
   EXPECT_EQ(traceAll(after.get(), rays)[0].ray.tfar, 3);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -9,14 +9,11 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class VulkanBounds : public VulkanTest
-{
+class VulkanBounds : public VulkanTest {
 protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     useCacheFolderOfTests();
     if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
     if (!Validation::isInstalled()) GTEST_SKIP() << "no validation layer";
@@ -28,8 +25,7 @@ protected:
   }
 };
 
-TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
-{
+TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected) {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
   rtcCommitScene(scene);
@@ -37,7 +33,7 @@ TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
   ASSERT_TRUE(uploaded) << embree.message;
   const std::vector<RTCRayHit> rays = raysFromAbove();
   {
-    RayBuffer buffer(vulkan->handles, rays.data(), 2*sizeof(RTCRayHit));
+    RayBuffer buffer(vulkan->handles, rays.data(), 2 * sizeof(RTCRayHit));
     RecordedTrace recorded(vulkan->handles);
     recorded.record([&](VkCommandBuffer commands) {
       EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, buffer.address, 3));
@@ -49,8 +45,7 @@ TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
   EXPECT_TRUE(has(messages, "out of bounds")) << messages;
 }
 
-TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
-{
+TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds) {
   Scene scene(embree), surfaces(embree);
   Displacement displacements[4];
   Random random(233);
@@ -58,7 +53,7 @@ TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
   int i = 0;
   for (RTCCompression compression :
        {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF}) {
-    const float x = 3.0f*float(i);
+    const float x = 3.0f * float(i);
     SurfaceSettings settings = smallSurface(compression);
     settings.displacement = &displacements[i];
     displacements[i].offset = {x, 0, 0};
@@ -86,5 +81,4 @@ TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

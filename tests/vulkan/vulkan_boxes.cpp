@@ -9,33 +9,28 @@
 
 #include <unordered_set>
 
-namespace embree { namespace vulkan {
-namespace {
+namespace embree { namespace vulkan { namespace {
 
 typedef std::vector<VkAabbPositionsKHR> Boxes;
 
-TEST(VulkanBoxes, EqualBoxesAreTheSameLevel)
-{
+TEST(VulkanBoxes, EqualBoxesAreTheSameLevel) {
   const Boxes boxes = {{0, 0, 0, 1, 1, 1}, {1, 0, 0, 2, 1, 1}};
   EXPECT_TRUE(BoxesKey(boxes) == BoxesKey(boxes));
   const BoxesKey key(boxes), copy = key;
   EXPECT_TRUE(key == copy);
 }
 
-TEST(VulkanBoxes, OtherBoxesOfTheSameHashAreAnotherLevel)
-{
+TEST(VulkanBoxes, OtherBoxesOfTheSameHashAreAnotherLevel) {
   const BoxesKey a(Boxes{{-0x1.09cp-1f, -0x1.154p-1f, -0x1.d8p-1f, 1, 1, 1}}),
-                 b(Boxes{{-0x1.b98p-1f, -0x1.f7p-1f, -0x1.fp-2f, 1, 1, 0x1.e78p+0f}});
+      b(Boxes{{-0x1.b98p-1f, -0x1.f7p-1f, -0x1.fp-2f, 1, 1, 0x1.e78p+0f}});
   ASSERT_EQ(a.hash(), b.hash()) << "the test needs other boxes, whose hashes collide";
   EXPECT_FALSE(a == b);
   EXPECT_EQ((std::unordered_set<BoxesKey, HashOfKey>{a, b}.size()), 2u);
 }
 
-TEST(VulkanBoxes, MoreBoxesAreAnotherLevel)
-{
+TEST(VulkanBoxes, MoreBoxesAreAnotherLevel) {
   const Boxes one = {{0, 0, 0, 1, 1, 1}}, two = {one[0], one[0]};
   EXPECT_FALSE(BoxesKey(one) == BoxesKey(two));
 }
 
-} // namespace
-}} // namespace embree::vulkan
+}}} // namespace embree::vulkan

@@ -11,13 +11,11 @@
 
 #include <vulkan/vulkan.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // --- every call fails in turn ------------------------------------------------------------------
 
-TEST_F(VulkanFaults, OpeningADeviceDoesNotLeak)
-{
+TEST_F(VulkanFaults, OpeningADeviceDoesNotLeak) {
   device.reset();
   expectAll(failEverything([&] { return bool(open(vulkan->handles)); }),
             {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
@@ -30,8 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Memory, VulkanUploadFaults, testing::Values(false, true
                            return info.param ? "OfADiscreteDevice" : "OfTheHost";
                          });
 
-TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
-{
+TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak) {
   faults->isDiscrete = GetParam();
   reopen();
   Scene scene(embree);
@@ -58,8 +55,7 @@ TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
 
 // An application traces in pipelines of its own: compute shaders, ray tracing pipelines, fragment shaders. It cannot
 // know what the library wrote, so the library's barriers reach all of them. Uploads are copies on a discrete device.
-TEST_F(VulkanFaults, UploadsAreVisibleToAllShadersOfTheApplication)
-{
+TEST_F(VulkanFaults, UploadsAreVisibleToAllShadersOfTheApplication) {
   faults->isDiscrete = true;
   reopen();
   SmallScene scene(embree);
@@ -82,8 +78,8 @@ TEST_F(VulkanFaults, UploadsAreVisibleToAllShadersOfTheApplication)
 
 // Traces rays of a scene. The rays remain unchanged if it fails.
 template<typename Ray>
-std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& rays, const std::vector<Ray>& expected)
-{
+std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& rays,
+                              const std::vector<Ray>& expected) {
   return [&] {
     std::vector<Ray> traced = rays;
     RTCVulkanTraceTimes times = {sizeof(times), -1, -1, -1};
@@ -101,8 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Memory, VulkanTraceFaults, testing::Values(false, true)
                            return info.param ? "OfADiscreteDevice" : "OfTheHost";
                          });
 
-TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
-{
+TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged) {
   faults->isDiscrete = GetParam();
   reopen();
   SmallScene scene(embree);
@@ -116,9 +111,9 @@ TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
   expectAsOnTheCPU(scene, rays, hits);
 
   const char* const functions[] = {
-    "AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory",
-    "AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence",
-    "CreateQueryPool", "QueueSubmit", "WaitForFences", "GetQueryPoolResults"};
+      "AllocateMemory",         "CreateBuffer",       "BindBufferMemory", "MapMemory",
+      "AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence",
+      "CreateQueryPool",        "QueueSubmit",        "WaitForFences",    "GetQueryPoolResults"};
   const std::vector<std::string> expected(std::begin(functions), std::end(functions));
   expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
   expectAll(failEverything(tracing(uploaded, shadowRays, occluded)), expected);
@@ -130,8 +125,7 @@ TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
 }
 
 // Each shader: those for tracing, and those for sorting rays beforehand.
-TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace)
-{
+TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace) {
   SmallScene scene(embree, RTC_COMPRESSION_CVOXEL);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   for (const char* function : {"CreateShaderModule", "CreateComputePipelines"}) {
@@ -167,8 +161,7 @@ TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace)
 // --- memory --------------------------------------------------------------------------------------
 
 // The message contains the size of the failed call and the name of the buffer.
-TEST_F(VulkanFaults, FailedAllocationsAreReported)
-{
+TEST_F(VulkanFaults, FailedAllocationsAreReported) {
   SmallScene scene(embree);
   std::vector<std::string> messages;
   auto collect = [&](const std::function<bool()>& step) {
@@ -186,17 +179,18 @@ TEST_F(VulkanFaults, FailedAllocationsAreReported)
     collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT) != nullptr; });
   const VulkanScene uploaded = newVulkanScene(device, scene);
   const std::vector<RTCRayHit> rays = raysFromAbove();
-  collect([&] { std::vector<RTCRayHit> traced = rays; return trace(uploaded.get(), traced); });
+  collect([&] {
+    std::vector<RTCRayHit> traced = rays;
+    return trace(uploaded.get(), traced);
+  });
   for (const char* what : {"blocks", "rays"})
-    EXPECT_TRUE(
-      std::any_of(messages.begin(), messages.end(),
-                  [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); }))
-      << what;
+    EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [&](const std::string& message) {
+      return has(message, std::string(" bytes for ") + what);
+    })) << what;
 }
 
 // NVIDIA's driver rejects imports of mapped files.
-TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
-{
+TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied) {
   if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
   const SmallScene scene(embree, RTC_COMPRESSION_CVERT);
   faults->fail("GetMemoryHostPointerPropertiesEXT", 1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
@@ -216,8 +210,7 @@ TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
-{
+TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue) {
   size_t limit = 100000;
   faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
     for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
@@ -229,10 +222,10 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
     SmallScene scene(embree);
     const VulkanScene uploaded = newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY);
     ASSERT_TRUE(uploaded) << embree.message;
-    std::vector<RTCRayHit> rays(limit/sizeof(RTCRayHit) + 1, raysFromAbove()[0]);
+    std::vector<RTCRayHit> rays(limit / sizeof(RTCRayHit) + 1, raysFromAbove()[0]);
     EXPECT_FALSE(trace(uploaded.get(), rays));
     EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
-    const std::string size = " " + std::to_string(rays.size()*sizeof(RTCRayHit)) + " bytes";
+    const std::string size = " " + std::to_string(rays.size() * sizeof(RTCRayHit)) + " bytes";
     EXPECT_TRUE(containsInOrder(embree.message, {"rays", size, "maxMemoryAllocationSize", " 100000 bytes"}));
     rays.pop_back();
     EXPECT_TRUE(trace(uploaded.get(), rays)) << embree.message;
@@ -246,8 +239,7 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
   EXPECT_TRUE(containsInOrder(embree.message, {"blocks", "maxMemoryAllocationSize", " 100 bytes"}));
 }
 
-TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
-{
+TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow) {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CGRID);
   settings.rate = 64;
   settings.frameLevel = 2;
@@ -278,16 +270,18 @@ TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 
 // Bits of cVERT are read in words, which may extend beyond the last byte of a block. kernels/cbvh allocates memory
 // there, and the next page is imported if necessary. In scenes of all sizes, some blocks end at the end of a page.
-TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
-{
+TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem) {
   if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
-  struct Range { const char* begin; size_t bytes; };
+  struct Range {
+    const char* begin;
+    size_t bytes;
+  };
   std::vector<Range> ranges;
   faults->onAllocation = [&](const VkMemoryAllocateInfo& info) {
     for (const VkBaseInStructure* p = (const VkBaseInStructure*)&info; p; p = p->pNext)
       if (p->sType == VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT)
         ranges.push_back(
-          {(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
+            {(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
   };
   const size_t readPadding = 16;
   size_t overEndOfPage[2] = {0, 0}; // of blocks of grids, and of mesh blocks
@@ -314,11 +308,11 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
       const char* begin = (const char*)flat->blocks[b].data;
       const char* end = begin + flat->blocks[b].bytes;
       EXPECT_TRUE(
-        std::any_of(ranges.begin(), ranges.end(),
-                    [&](const Range& r) { return begin >= r.begin && end + readPadding <= r.begin + r.bytes; }))
-        << "scene " << i << ", block " << b;
+          std::any_of(ranges.begin(), ranges.end(),
+                      [&](const Range& r) { return begin >= r.begin && end + readPadding <= r.begin + r.bytes; }))
+          << "scene " << i << ", block " << b;
       const bool isMesh = flat->blocks[b].type == embree::cbvh::meshBlockReferenceType;
-      overEndOfPage[isMesh] += (size_t(end) - 1)/4096 != (size_t(end) + readPadding - 1)/4096;
+      overEndOfPage[isMesh] += (size_t(end) - 1) / 4096 != (size_t(end) + readPadding - 1) / 4096;
     }
     rtcReleaseFlatScene(flat);
   }
@@ -328,8 +322,7 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
 
 // --- lost devices ------------------------------------------------------------------------------
 
-TEST_F(VulkanFaults, DeviceLostAtTheStartOfATraceIsAnError)
-{
+TEST_F(VulkanFaults, DeviceLostAtTheStartOfATraceIsAnError) {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
   ASSERT_TRUE(uploaded) << embree.message;
@@ -341,8 +334,7 @@ TEST_F(VulkanFaults, DeviceLostAtTheStartOfATraceIsAnError)
   EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
 }
 
-TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
-{
+TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged) {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
   ASSERT_TRUE(uploaded) << embree.message;
@@ -366,8 +358,7 @@ TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
   faults->fail("GetPipelineCacheData", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
 }
 
-TEST_F(VulkanFaults, TraceOfALostDeviceIsDone)
-{
+TEST_F(VulkanFaults, TraceOfALostDeviceIsDone) {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
   std::vector<RTCRayHit> rays = raysFromAbove();
@@ -380,8 +371,7 @@ TEST_F(VulkanFaults, TraceOfALostDeviceIsDone)
   EXPECT_EQ(embree.takeError(), RTC_ERROR_UNKNOWN);
 }
 
-TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError)
-{
+TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError) {
   faults->isDiscrete = true;
   reopen();
   SmallScene scene(embree);
@@ -395,14 +385,13 @@ TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError)
 }
 
 // The trace holds the last references to all objects, including the RTCDevice that receives the error.
-TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported)
-{
+TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported) {
   using Error = std::pair<RTCError, std::string>;
   Error error;
   {
     const RTCDevice other = rtcNewDevice(nullptr);
     rtcSetDeviceErrorFunction(
-      other, [](void* to, RTCError code, const char* text) { *(Error*)to = {code, text}; }, &error);
+        other, [](void* to, RTCError code, const char* text) { *(Error*)to = {code, text}; }, &error);
     RTCVulkanTrace trace;
     std::vector<RTCRayHit> rays = raysFromAbove();
     {
@@ -421,5 +410,4 @@ TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported)
   EXPECT_TRUE(containsInOrder(error.second, {"VK_ERROR_DEVICE_LOST", "release"}));
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

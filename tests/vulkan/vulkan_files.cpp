@@ -9,26 +9,22 @@
 #include "support/moving_surface.h"
 #include "support/saved.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class VulkanFiles : public VulkanTest
-{
+class VulkanFiles : public VulkanTest {
 protected:
   Random random{103};
 
-  std::vector<RTCRayHit> traced(const VulkanScene& scene, const std::vector<RTCRayHit>& rays)
-  {
+  std::vector<RTCRayHit> traced(const VulkanScene& scene, const std::vector<RTCRayHit>& rays) {
     EXPECT_NE(scene, nullptr) << embree.message;
     return scene ? traceAll(scene.get(), rays) : std::vector<RTCRayHit>();
   }
 };
 
-TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits)
-{
+TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits) {
   const Folder folder;
   std::string refused; // memory that the driver did not import; imports of mapped files are optional
-  const std::string path = folder/"surface.cbvh";
+  const std::string path = folder / "surface.cbvh";
   for (const Saveable& form : allSaveable()) {
     SCOPED_TRACE(form.name);
     Scene saved(embree), loaded(embree);
@@ -53,15 +49,14 @@ TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits)
     const std::vector<RTCRayHit> expected = traced(scene, rays);
     size_t hits = 0;
     for (const RTCRayHit& ray : expected) hits += isHit(ray);
-    EXPECT_GT(hits, rays.size()/20);
+    EXPECT_GT(hits, rays.size() / 20);
     EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_COPY), rays)));
     EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded), rays)));
     if (vulkan->handles.hasHostImport) {
       const VulkanScene imported = newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_IMPORT);
       if (imported) {
         EXPECT_TRUE(areSame(expected, traced(imported, rays)));
-      }
-      else {
+      } else {
         EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
         EXPECT_NE(embree.message.find("importing"), std::string::npos) << embree.message;
         refused = std::string(form.name) + ": " + embree.message;
@@ -78,5 +73,4 @@ TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits)
     GTEST_SKIP() << "hits of copied blocks are the same, but the driver does not import " << refused;
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

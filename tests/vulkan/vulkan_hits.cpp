@@ -9,39 +9,38 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class VulkanHits : public VulkanAgreement
-{
+class VulkanHits : public VulkanAgreement {
 protected:
   Displacement displacement;
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16)
-  {
+  SurfaceSettings settings(RTCCompression compression, float rate = 16) {
     return displacedSettings(displacement, compression, rate);
   }
 };
 
-struct NamedCage
-{
+struct NamedCage {
   const char* name;
   Cage cage;
 };
 
-std::vector<NamedCage> cagesOfEverySort()
-{
+std::vector<NamedCage> cagesOfEverySort() {
   Cage creased = cubeCage();
-  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
   creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
   Cage withHole = sheetCage(4);
   withHole.holes = {5};
-  return {{"cube", cubeCage()}, {"creases", creased}, {"hole and borders", withHole}, {"triangles", prismCage(3)},
-    {"pentagons", prismCage(5)}, {"heptagons", prismCage(7)}, {"valence 9", trapezohedronCage(9)}};
+  return {{"cube", cubeCage()},
+          {"creases", creased},
+          {"hole and borders", withHole},
+          {"triangles", prismCage(3)},
+          {"pentagons", prismCage(5)},
+          {"heptagons", prismCage(7)},
+          {"valence 9", trapezohedronCage(9)}};
 }
 
-TEST_F(VulkanHits, CagesMatchCpu)
-{
+TEST_F(VulkanHits, CagesMatchCpu) {
   for (RTCCompression kind : allKinds) {
     Agreement sum;
     for (const NamedCage& c : cagesOfEverySort())
@@ -55,8 +54,7 @@ TEST_F(VulkanHits, CagesMatchCpu)
   }
 }
 
-TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu)
-{
+TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu) {
   for (RTCCompression kind : allKinds) {
     Agreement sum;
     for (int i = 0; i < 8; i++) {
@@ -66,7 +64,7 @@ TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu)
       for (size_t f = 0, k = 0; f < cage.faces.size(); k += cage.faces[f++])
         for (unsigned e = 0; e < cage.faces[f]; e++) {
           const unsigned a = cage.indices[k + e], b = cage.indices[k + (e + 1) % cage.faces[f]];
-          s.edgeRates.push_back(float(1 + (a*7 + b*7 + a*b*3 + unsigned(i)*5) % 23));
+          s.edgeRates.push_back(float(1 + (a * 7 + b * 7 + a * b * 3 + unsigned(i) * 5) % 23));
         }
       const SurfaceScene scene(embree, cage, s);
       compare(scene, raysAt(random, 3000), sum);
@@ -77,8 +75,7 @@ TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu)
 }
 
 // Quads around vertices that are not finite are left out. Blocks without a usable frame are left to GRID.
-TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu)
-{
+TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu) {
   displacement.poison = [](unsigned primID, float u, float v) {
     return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
   };
@@ -93,12 +90,11 @@ TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu)
   }
 }
 
-TEST_F(VulkanHits, DegenerateBlocksLeftToGridMatchCpu)
-{
+TEST_F(VulkanHits, DegenerateBlocksLeftToGridMatchCpu) {
   Cage cage = quadCage();
   for (Vec& p : cage.positions) p[1] = p[2] = 0;
   cage.addFace({0, 1, 2, 3});
-  cage.positions.insert(cage.positions.end(), {{-1,-1,-1}, {1,-1,-1}, {1,1,-0.8f}, {-1,1,-1}});
+  cage.positions.insert(cage.positions.end(), {{-1, -1, -1}, {1, -1, -1}, {1, 1, -0.8f}, {-1, 1, -1}});
   cage.addFace({4, 5, 6, 7});
   Agreement sum;
   SurfaceSettings s = settings(RTC_COMPRESSION_CLEAF);
@@ -110,8 +106,7 @@ TEST_F(VulkanHits, DegenerateBlocksLeftToGridMatchCpu)
 
 // --- other features of scenes -----------------------------------------------------------------
 
-void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned count, unsigned mask = ~0u)
-{
+void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned count, unsigned mask = ~0u) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   std::vector<Vec> vertices;
   std::vector<std::array<unsigned, 3>> triangles;
@@ -123,7 +118,7 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
       for (float& x : p) x += float(random.uniform(-0.3, 0.3));
       vertices.push_back(p);
     }
-    triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+    triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   vertices.push_back({NAN, 0, 0});
   triangles.push_back({0, 1, unsigned(vertices.size() - 1)}); // is left out
@@ -135,8 +130,7 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
   attach(scene, geometry);
 }
 
-TEST_F(VulkanHits, CompressedGridsMatchCpu)
-{
+TEST_F(VulkanHits, CompressedGridsMatchCpu) {
   Agreement sum;
   for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16),
                              dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
@@ -150,8 +144,7 @@ TEST_F(VulkanHits, CompressedGridsMatchCpu)
   sum.expect();
 }
 
-TEST_F(VulkanHits, CompressedMeshesMatchCpu)
-{
+TEST_F(VulkanHits, CompressedMeshesMatchCpu) {
   Agreement sum;
   for (QuadOrder order : allQuadOrders) {
     const DicedMesh quads = meshOf(dicedSheet(3, 16), order, random), ball = meshOf(dicedBall(2, 8), order, random);
@@ -170,8 +163,7 @@ TEST_F(VulkanHits, CompressedMeshesMatchCpu)
 }
 
 // Vertices that use all bits of floats: blocks with remainders.
-TEST_F(VulkanHits, LosslessGeometryMatchesCpu)
-{
+TEST_F(VulkanHits, LosslessGeometryMatchesCpu) {
   const Device exact("cbvh_max_error=0");
   Agreement sum;
   for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(6, 8), dicedBall(2, 16)}) {
@@ -189,8 +181,7 @@ TEST_F(VulkanHits, LosslessGeometryMatchesCpu)
   sum.expect();
 }
 
-TEST_F(VulkanHits, TrianglesMatchCpuInRobustAndFastMode)
-{
+TEST_F(VulkanHits, TrianglesMatchCpuInRobustAndFastMode) {
   for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_ROBUST}) {
     Agreement sum;
     Scene scene(embree, flags);
@@ -202,8 +193,7 @@ TEST_F(VulkanHits, TrianglesMatchCpuInRobustAndFastMode)
   }
 }
 
-TEST_F(VulkanHits, MixedScenesMatchCpu)
-{
+TEST_F(VulkanHits, MixedScenesMatchCpu) {
   Scene scene(embree);
   Displacement displacements[5];
   std::vector<RTCGeometry> surfaces;
@@ -219,15 +209,13 @@ TEST_F(VulkanHits, MixedScenesMatchCpu)
   sum.expect();
 }
 
-void copyTo(float out[12], const double columns[3][3], const Vec& origin)
-{
+void copyTo(float out[12], const double columns[3][3], const Vec& origin) {
   for (int c = 0; c < 3; c++)
-    for (int r = 0; r < 3; r++) out[3*c + r] = float(columns[c][r]);
+    for (int r = 0; r < 3; r++) out[3 * c + r] = float(columns[c][r]);
   for (int r = 0; r < 3; r++) out[9 + r] = origin[r];
 }
 
-TEST_F(VulkanHits, InstancesMatchCpu)
-{
+TEST_F(VulkanHits, InstancesMatchCpu) {
   Scene leaves(embree), triangles(embree), scene(embree);
   SurfaceSettings s = settings(RTC_COMPRESSION_CLEAF);
   s.fallbackFaces = true;
@@ -242,7 +230,7 @@ TEST_F(VulkanHits, InstancesMatchCpu)
     rtcSetGeometryInstancedScene(instance, i % 3 ? leaves : triangles);
     double m[3][3];
     for (auto& column : m)
-      for (double& x : column) x = 0.25*random.normal();
+      for (double& x : column) x = 0.25 * random.normal();
     float transform[12];
     copyTo(transform, m,
            {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))});
@@ -261,8 +249,7 @@ TEST_F(VulkanHits, InstancesMatchCpu)
   }
 }
 
-TEST_F(VulkanHits, HitsAreBetweenTnearAndTfar)
-{
+TEST_F(VulkanHits, HitsAreBetweenTnearAndTfar) {
   for (RTCCompression kind : allKinds) {
     const SurfaceScene scene(embree, cubeCage(), settings(kind));
     std::vector<RTCRayHit> rays = raysAt(random, 20000);
@@ -279,8 +266,7 @@ TEST_F(VulkanHits, HitsAreBetweenTnearAndTfar)
   }
 }
 
-TEST_F(VulkanHits, NonFiniteRaysMiss)
-{
+TEST_F(VulkanHits, NonFiniteRaysMiss) {
   for (RTCCompression kind : allKinds) {
     const SurfaceScene scene(embree, cubeCage(), settings(kind));
     const VulkanScene onDevice = newVulkanScene(device, scene);
@@ -304,8 +290,7 @@ TEST_F(VulkanHits, NonFiniteRaysMiss)
 }
 
 // Rays from inside a closed surface: all of them hit, except for those that pass through edges of GRID's triangles.
-TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
-{
+TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits) {
   for (RTCCompression kind : allKinds) {
     AllVertices recorder;
     Scene scene(embree);
@@ -332,8 +317,7 @@ TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
   }
 }
 
-TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
-{
+TEST_F(VulkanHits, SortedRaysHaveTheSameHits) {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CLEAF));
   const VulkanScene onDevice = newVulkanScene(device, scene);
   ASSERT_NE(onDevice, nullptr) << embree.message;
@@ -349,14 +333,13 @@ TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
     rtcSetVulkanSceneRaySorting(onDevice.get(), true);
     intersectOnDevice(onDevice, sorted);
     occludedOnDevice(onDevice, sortedAny);
-    EXPECT_EQ(std::memcmp(plain.data(), sorted.data(), sizeof(RTCRayHit)*count), 0) << count;
-    EXPECT_EQ(std::memcmp(plainAny.data(), sortedAny.data(), sizeof(RTCRay)*count), 0) << count;
+    EXPECT_EQ(std::memcmp(plain.data(), sorted.data(), sizeof(RTCRayHit) * count), 0) << count;
+    EXPECT_EQ(std::memcmp(plainAny.data(), sortedAny.data(), sizeof(RTCRay) * count), 0) << count;
   }
 }
 
 // Three surfaces at the same position.
-TEST_F(VulkanHits, EqualDistancesReportTheSameSurface)
-{
+TEST_F(VulkanHits, EqualDistancesReportTheSameSurface) {
   Scene scene(embree);
   for (int i = 0; i < 3; i++) addSurface(embree, scene, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   rtcCommitScene(scene);
@@ -375,5 +358,4 @@ TEST_F(VulkanHits, EqualDistancesReportTheSameSurface)
   }
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

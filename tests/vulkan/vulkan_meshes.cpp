@@ -13,16 +13,13 @@
 #include "support/odd_rays.h"
 #include "support/same_hits.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-struct BlockCounts
-{
+struct BlockCounts {
   size_t grids = 0, meshes = 0;
   size_t ranked = 0, sheared = 0, ofQuads = 0; // of mesh blocks
 
-  void add(RTCScene scene)
-  {
+  void add(RTCScene scene) {
     const embree::cbvh::FlatScene* flat = rtcFlattenScene(scene, embree::cbvh::flatSceneVersion);
     ASSERT_NE(flat, nullptr);
     for (size_t i = 0; i < flat->numBlocks; i++) {
@@ -39,12 +36,10 @@ struct BlockCounts
   }
 };
 
-class VulkanMeshes : public VulkanAgreement
-{
+class VulkanMeshes : public VulkanAgreement {
 protected:
   // Distances and normals are computed in double precision, by the same operations as on the CPU.
-  void expectSameDistances(RTCScene scene, const std::vector<RTCRayHit>& rays)
-  {
+  void expectSameDistances(RTCScene scene, const std::vector<RTCRayHit>& rays) {
     const VulkanScene onDevice = newVulkanScene(device, scene);
     ASSERT_NE(onDevice, nullptr) << embree.message;
     const std::vector<RTCRayHit> traced = traceAll(onDevice.get(), rays);
@@ -53,17 +48,16 @@ protected:
       const RTCRayHit expected = intersect(scene, rays[i]);
       const RTCHit &a = expected.hit, &b = traced[i].hit;
       hits += isHit(expected);
-      others += expected.ray.tfar != traced[i].ray.tfar || a.primID != b.primID || a.geomID != b.geomID
-        || (isHit(expected) && (a.Ng_x != b.Ng_x || a.Ng_y != b.Ng_y || a.Ng_z != b.Ng_z));
+      others += expected.ray.tfar != traced[i].ray.tfar || a.primID != b.primID || a.geomID != b.geomID ||
+                (isHit(expected) && (a.Ng_x != b.Ng_x || a.Ng_y != b.Ng_y || a.Ng_z != b.Ng_z));
     }
-    EXPECT_GT(hits, rays.size()/10) << "too many rays miss";
+    EXPECT_GT(hits, rays.size() / 10) << "too many rays miss";
     EXPECT_LE(others, 1u) << "of " << rays.size();
   }
 };
 
 // Blocks of all forms.
-TEST_F(VulkanMeshes, HitsMatchCpu)
-{
+TEST_F(VulkanMeshes, HitsMatchCpu) {
   const Device exact("cbvh_max_error=0");
   Agreement sum;
   BlockCounts blocks;
@@ -73,7 +67,7 @@ TEST_F(VulkanMeshes, HitsMatchCpu)
       const MeshScene scene(*of, shape.mesh);
       blocks.add(scene);
       compare(scene, raysAt(random, shape.mesh, 1000), sum,
-        of == &exact ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
+              of == &exact ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
       if (vulkan->handles.hasFloat64) expectSameDistances(scene, raysAt(random, 1000));
       if (HasFatalFailure()) return;
     }
@@ -85,8 +79,7 @@ TEST_F(VulkanMeshes, HitsMatchCpu)
   EXPECT_GT(blocks.ofQuads, 20u);
 }
 
-TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndRespectMasks)
-{
+TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndRespectMasks) {
   Agreement sum;
   Scene scene(embree);
   unsigned mask = 1;
@@ -110,8 +103,7 @@ TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndRespectMasks)
   sum.expect();
 }
 
-TEST_F(VulkanMeshes, InstancesMatchCpu)
-{
+TEST_F(VulkanMeshes, InstancesMatchCpu) {
   Scene inside(embree), scene(embree);
   const DicedMesh ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01);
   const DicedMesh sheet = meshOf(dicedSheet(1, 50), QuadOrder::Rows, random);
@@ -127,8 +119,7 @@ TEST_F(VulkanMeshes, InstancesMatchCpu)
 }
 
 // The same mesh three times.
-TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
-{
+TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh) {
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
     SCOPED_TRACE(shape.name);
     Scene scene(embree);
@@ -149,8 +140,7 @@ TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
 }
 
 // Rays from inside a closed surface, partly of grids, at edges and vertices, with any precision and direction length.
-TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
-{
+TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak) {
   const Device exact("cbvh_max_error=0"), coarse("cbvh_max_error=0.02");
   const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
   const DicedMesh triangles = irregularTriangles(ball, random), quads = irregularQuads(ball, random);
@@ -165,7 +155,7 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
       std::vector<RTCRayHit> rays;
       for (unsigned i = 0; i < 10000; i++) {
         const unsigned* v = mesh.isTriangleForm() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
-          : mesh.quads[random.below(unsigned(mesh.size()))].data();
+                                                  : mesh.quads[random.below(unsigned(mesh.size()))].data();
         const unsigned n = mesh.isTriangleForm() ? 3 : 4, k = random.below(n);
         rays.push_back(rayFromMiddle(random, mesh.vertices[v[k]], mesh.vertices[v[(k + 1) % n]]));
       }
@@ -181,11 +171,10 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
     }
 }
 
-TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
-{
+TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused) {
   const DicedMesh sheet = meshOf(dicedSheet(1, 30), QuadOrder::Rows, random);
   for (DicedMesh mesh : {irregularTriangles(sheet, random), irregularQuads(sheet, random)}) {
-    mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.1*step); };
+    mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.1 * step); };
     Scene scene(embree);
     attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_CVERT, 0, 2));
     rtcCommitScene(scene);
@@ -196,8 +185,7 @@ TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
 }
 
 // Devices without 64-bit floats use separate shaders.
-TEST_F(VulkanMeshes, DevicesWithoutDoublesMatchCpu)
-{
+TEST_F(VulkanMeshes, DevicesWithoutDoublesMatchCpu) {
   DeviceOptions options;
   options.hasFloat64 = false;
   const ValidatedDevice single(options);
@@ -212,12 +200,11 @@ TEST_F(VulkanMeshes, DevicesWithoutDoublesMatchCpu)
     for (size_t i = 0; i < aimed.size(); i++) {
       const RTCRayHit expected = intersect(scene, aimed[i]);
       rays++;
-      others += expected.hit.primID != traced[i].hit.primID
-        || std::fabs(expected.ray.tfar - traced[i].ray.tfar) > 1e-4f*expected.ray.tfar;
+      others += expected.hit.primID != traced[i].hit.primID ||
+                std::fabs(expected.ray.tfar - traced[i].ray.tfar) > 1e-4f * expected.ray.tfar;
     }
   }
-  EXPECT_LE(others, rays/500);
+  EXPECT_LE(others, rays / 500);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -8,31 +8,27 @@
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class VulkanMotion : public VulkanAgreement
-{
+class VulkanMotion : public VulkanAgreement {
 protected:
   Displacement displacement;
 
-  SurfaceSettings settings(unsigned timeSteps, float rate = 16)
-  {
+  SurfaceSettings settings(unsigned timeSteps, float rate = 16) {
     SurfaceSettings s;
     s.displacement = &displacement;
     s.compression = RTC_COMPRESSION_CVERT;
     s.rate = rate;
     s.timeSteps = timeSteps;
-    s.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*i); };
+    s.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3 * i); };
     return s;
   }
 };
 
-TEST_F(VulkanMotion, MovingCagesMatchCpu)
-{
+TEST_F(VulkanMotion, MovingCagesMatchCpu) {
   Agreement sum;
   Cage creased = cubeCage();
-  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
   creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
   Cage withHole = sheetCage(4);
   withHole.holes = {5};
@@ -48,8 +44,7 @@ TEST_F(VulkanMotion, MovingCagesMatchCpu)
 }
 
 // Residuals of later steps cannot be predicted from the first, and blocks overlap along rays.
-TEST_F(VulkanMotion, RandomMotionMatchesCpu)
-{
+TEST_F(VulkanMotion, RandomMotionMatchesCpu) {
   Agreement sum;
   displacement.amplitude = 0.2f;
   displacement.frequency = 40;
@@ -60,8 +55,7 @@ TEST_F(VulkanMotion, RandomMotionMatchesCpu)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, LosslessMotionMatchesCpu)
-{
+TEST_F(VulkanMotion, LosslessMotionMatchesCpu) {
   const Device exact("cbvh_max_error=0");
   Agreement sum;
   for (unsigned timeSteps : {2u, 5u}) {
@@ -73,39 +67,37 @@ TEST_F(VulkanMotion, LosslessMotionMatchesCpu)
 }
 
 // Times before, at and after the ends of ranges, and NaN.
-TEST_F(VulkanMotion, TimeRangesMatchCpu)
-{
+TEST_F(VulkanMotion, TimeRangesMatchCpu) {
   Agreement sum;
   Displacement others[3];
   Scene scene(embree);
   for (unsigned i = 0; i < 3; i++) {
     SurfaceSettings s = settings(2 + i, 8);
-    others[i].offset = {0.8f*float(i) - 0.8f, 0, 0};
+    others[i].offset = {0.8f * float(i) - 0.8f, 0, 0};
     others[i].scale = 0.5f;
     s.displacement = &others[i];
-    s.begin = 0.25f*float(i);
+    s.begin = 0.25f * float(i);
     s.end = s.begin + 0.5f;
     addSurface(embree, scene, cubeCage(), s);
   }
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
   for (size_t i = 0; i < rays.size(); i++)
-    rays[i].ray.time = i % 4 == 0 ? float(random.uniform())
-                       : i % 4 == 1 ? 0.125f*float(random.below(9))
-                       : i % 4 == 2 ? std::nextafter(0.25f*float(random.below(5)), float(random.below(2)))
+    rays[i].ray.time = i % 4 == 0   ? float(random.uniform())
+                       : i % 4 == 1 ? 0.125f * float(random.below(9))
+                       : i % 4 == 2 ? std::nextafter(0.25f * float(random.below(5)), float(random.below(2)))
                                     : float(random.uniform(0.2, 0.3));
   for (size_t i = 0; i < rays.size(); i += 97) rays[i].ray.time = i % 2 ? NAN : INFINITY;
   compare(scene, rays, sum);
   sum.expect();
 }
 
-TEST_F(VulkanMotion, MovingNextToStaticGeometryMatchesCpu)
-{
+TEST_F(VulkanMotion, MovingNextToStaticGeometryMatchesCpu) {
   Scene scene(embree);
   Displacement others[4];
   for (unsigned i = 0; i < 4; i++) {
     SurfaceSettings s = settings(i % 2 ? 3 : 1);
-    others[i].offset = {0.8f*float(i) - 1.2f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
+    others[i].offset = {0.8f * float(i) - 1.2f, 0.3f * float(i % 2), 0.2f * float(i % 3)};
     others[i].scale = 0.5f;
     s.displacement = &others[i];
     s.mask = 1u << i;
@@ -121,8 +113,7 @@ TEST_F(VulkanMotion, MovingNextToStaticGeometryMatchesCpu)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, MovingGridsAndMeshesMatchCpu)
-{
+TEST_F(VulkanMotion, MovingGridsAndMeshesMatchCpu) {
   Agreement sum;
   for (unsigned timeSteps : {2u, 4u}) {
     for (const Diced& diced : {dicedSheet(6, 8), dicedSheet(1, 64), dicedBall(2, 11)}) {
@@ -144,8 +135,7 @@ TEST_F(VulkanMotion, MovingGridsAndMeshesMatchCpu)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, MovingInstancesMatchCpu)
-{
+TEST_F(VulkanMotion, MovingInstancesMatchCpu) {
   Scene inside(embree), scene(embree);
   SurfaceSettings still = settings(1);
   addSurface(embree, inside, cubeCage(), settings(3));
@@ -158,8 +148,7 @@ TEST_F(VulkanMotion, MovingInstancesMatchCpu)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, InvalidInstancesMatchCpu)
-{
+TEST_F(VulkanMotion, InvalidInstancesMatchCpu) {
   Scene inside(embree), scene(embree);
   addSurface(embree, inside, cubeCage(), settings(1));
   rtcCommitScene(inside);
@@ -172,13 +161,12 @@ TEST_F(VulkanMotion, InvalidInstancesMatchCpu)
 }
 
 // A vertex that is not finite at one step, so that blocks are raw there.
-TEST_F(VulkanMotion, NonFiniteStepsMatchCpu)
-{
+TEST_F(VulkanMotion, NonFiniteStepsMatchCpu) {
   Agreement sum;
   for (unsigned bad : {0u, 1u, 3u}) {
     SurfaceSettings s = settings(4);
     s.motion = [bad](const Vec& p, unsigned i) {
-      return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i);
+      return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2 * i);
     };
     const SurfaceScene scene(embree, cubeCage(), s);
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
@@ -187,15 +175,14 @@ TEST_F(VulkanMotion, NonFiniteStepsMatchCpu)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, ClosedMovingSurfacesDoNotLeak)
-{
+TEST_F(VulkanMotion, ClosedMovingSurfacesDoNotLeak) {
   size_t rays = 0;
   for (const Cage& cage : {cubeCage(), prismCage(7), trapezohedronCage(5)})
     for (unsigned timeSteps : {2u, 4u}) {
       displacement.amplitude = 0.1f;
       SurfaceSettings s = settings(timeSteps);
       // rates and owners differ
-      for (size_t i = 0; i < cage.indices.size(); i++) s.edgeRates.push_back(float(1 + (7*i) % 23));
+      for (size_t i = 0; i < cage.indices.size(); i++) s.edgeRates.push_back(float(1 + (7 * i) % 23));
       RTCGeometry geometry = newSurface(embree, cage, s);
       Scene scene(embree);
       rtcAttachGeometry(scene, geometry);
@@ -214,5 +201,4 @@ TEST_F(VulkanMotion, ClosedMovingSurfacesDoNotLeak)
   EXPECT_EQ(rays, 120000u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

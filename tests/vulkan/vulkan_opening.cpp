@@ -14,15 +14,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using VulkanOpening = VulkanFaults;
 
 // --- devices with missing features -----------------------------------------------------------------
 
-TEST_F(VulkanOpening, OldDriversAreRejected)
-{
+TEST_F(VulkanOpening, OldDriversAreRejected) {
   faults->onProperties = [](VkPhysicalDeviceProperties& properties) {
     properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 42);
   };
@@ -31,19 +29,17 @@ TEST_F(VulkanOpening, OldDriversAreRejected)
   EXPECT_TRUE(containsInOrder(embree.message, {vulkan->name, " 1.1.42", " 1.2"}));
 }
 
-TEST_F(VulkanOpening, MissingFeaturesAreReported)
-{
-  const struct
-  {
+TEST_F(VulkanOpening, MissingFeaturesAreReported) {
+  const struct {
     const char* name;
     void (*remove)(VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features&);
   } features[] = {
-    {"bufferDeviceAddress",
-     [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
-    {"scalarBlockLayout",
-     [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
-    {"shaderFloat64",
-     [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
+      {"bufferDeviceAddress",
+       [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
+      {"scalarBlockLayout",
+       [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
+      {"shaderFloat64",
+       [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
   for (const auto& feature : features) {
     faults->onFeatures = [&](VkPhysicalDeviceFeatures2& f) {
       for (VkBaseOutStructure* p = (VkBaseOutStructure*)&f; p; p = p->pNext)
@@ -65,11 +61,10 @@ TEST_F(VulkanOpening, MissingFeaturesAreReported)
 }
 
 // Vulkan guarantees workgroups of 128 threads. The sort of rays needs more.
-TEST_F(VulkanOpening, DeviceWithSmallWorkgroupsTracesButDoesNotSort)
-{
+TEST_F(VulkanOpening, DeviceWithSmallWorkgroupsTracesButDoesNotSort) {
   void (*const smaller[])(VkPhysicalDeviceLimits&) = {
-    [](VkPhysicalDeviceLimits& limits) { limits.maxComputeWorkGroupInvocations = 128; },
-    [](VkPhysicalDeviceLimits& limits) { limits.maxComputeWorkGroupSize[0] = 128; }};
+      [](VkPhysicalDeviceLimits& limits) { limits.maxComputeWorkGroupInvocations = 128; },
+      [](VkPhysicalDeviceLimits& limits) { limits.maxComputeWorkGroupSize[0] = 128; }};
   const SmallScene scene(embree, RTC_COMPRESSION_CVERT);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   for (const auto& shrink : smaller) {
@@ -88,8 +83,7 @@ TEST_F(VulkanOpening, DeviceWithSmallWorkgroupsTracesButDoesNotSort)
 }
 
 // Features that are not enabled are not used.
-TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
-{
+TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes) {
   device.reset();
   faults.reset();
   vulkan.reset();
@@ -121,11 +115,9 @@ TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
 // --- the library's own loading of Vulkan ---------------------------------------------------------
 
 // rtcNewVulkanDevice and rtcGetVulkanDevices with Faults.
-class VulkanLoader : public VulkanFaults
-{
+class VulkanLoader : public VulkanFaults {
 protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     useCacheFolderOfTests();
     if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
     setenv("EMBREE_VULKAN_LOADER", TEST_LOADER, 1);
@@ -135,8 +127,7 @@ protected:
     faults->onInstanceEnd = [&](VkInstance) { validation.detach(); };
   }
 
-  void TearDown() override
-  {
+  void TearDown() override {
     VulkanFaults::TearDown();
     unsetenv("EMBREE_VULKAN_LOADER");
     for (const std::string& message : validation.messages.take()) ADD_FAILURE() << message;
@@ -147,8 +138,7 @@ protected:
   Validation validation;
 };
 
-TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation)
-{
+TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation) {
   device = openOwn();
   ASSERT_TRUE(device) << embree.message;
   EXPECT_EQ(faults->live()["instance"], 1u);
@@ -160,8 +150,7 @@ TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanLoader, OpeningDoesNotLeak)
-{
+TEST_F(VulkanLoader, OpeningDoesNotLeak) {
   // one device: if one of several fails, another is opened
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.resize(1); };
   expectAll(failEverything([&] { return bool(openOwn()); }),
@@ -169,8 +158,7 @@ TEST_F(VulkanLoader, OpeningDoesNotLeak)
              "CreateCommandPool"});
 }
 
-TEST_F(VulkanLoader, MissingFunctionsAreReported)
-{
+TEST_F(VulkanLoader, MissingFunctionsAreReported) {
   for (const char* name : {"CreateInstance", "EnumeratePhysicalDevices", "GetPhysicalDeviceProperties2",
                            "GetPhysicalDeviceFeatures2", "CreateDevice", "GetDeviceProcAddr", "GetBufferDeviceAddress",
                            "GetMemoryHostPointerPropertiesEXT", "QueueSubmit"}) {
@@ -185,8 +173,7 @@ TEST_F(VulkanLoader, MissingFunctionsAreReported)
   EXPECT_TRUE(openOwn()) << embree.message;
 }
 
-TEST_F(VulkanLoader, ListingDevicesDoesNotLeak)
-{
+TEST_F(VulkanLoader, ListingDevicesDoesNotLeak) {
   EXPECT_GE(rtcGetVulkanDevices(embree, nullptr, 0), 1u);
   EXPECT_TRUE(faults->live().empty());
   faults->fail("EnumeratePhysicalDevices", 1, VK_ERROR_OUT_OF_HOST_MEMORY);
@@ -195,8 +182,7 @@ TEST_F(VulkanLoader, ListingDevicesDoesNotLeak)
   EXPECT_TRUE(faults->live().empty());
 }
 
-TEST_F(VulkanLoader, MachineWithoutADeviceIsAnError)
-{
+TEST_F(VulkanLoader, MachineWithoutADeviceIsAnError) {
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.clear(); };
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << "an empty list is not an error";
@@ -205,8 +191,7 @@ TEST_F(VulkanLoader, MachineWithoutADeviceIsAnError)
   EXPECT_TRUE(has(embree.message, "device")) << embree.message;
 }
 
-TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
-{
+TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen) {
   faults->onProperties = [](VkPhysicalDeviceProperties& properties) {
     properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 0, 3);
   };
@@ -222,25 +207,24 @@ TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
 }
 
 // Two devices. The driver of one fails while the device is examined.
-TEST_F(VulkanLoader, BrokenDriverDoesNotHideOtherDevices)
-{
+TEST_F(VulkanLoader, BrokenDriverDoesNotHideOtherDevices) {
   const char* const function = "EnumerateDeviceExtensionProperties";
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.assign(2, VkPhysicalDevice(devices[0])); };
   RTCVulkanDeviceInfo infos[2];
   const unsigned before = faults->calls(function);
   ASSERT_EQ(rtcGetVulkanDevices(embree, infos, 2), 2u);
-  const unsigned callsPerDevice = (faults->calls(function) - before)/2;
+  const unsigned callsPerDevice = (faults->calls(function) - before) / 2;
   ASSERT_GT(callsPerDevice, 0u);
   const std::string name = infos[0].name;
   for (unsigned broken : {0u, 1u}) {
     SCOPED_TRACE(broken);
-    const auto failOnce = [&] { faults->fail(function, 1 + broken*callsPerDevice, VK_ERROR_INITIALIZATION_FAILED); };
+    const auto failOnce = [&] { faults->fail(function, 1 + broken * callsPerDevice, VK_ERROR_INITIALIZATION_FAILED); };
     failOnce();
     EXPECT_EQ(rtcGetVulkanDevices(embree, infos, 2), 2u);
     EXPECT_TRUE(faults->hasFailed());
     EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
     EXPECT_TRUE(has(infos[broken].unsupportedReason, "VK_ERROR_INITIALIZATION_FAILED"))
-      << infos[broken].unsupportedReason;
+        << infos[broken].unsupportedReason;
     EXPECT_EQ(infos[broken].name, name);
     EXPECT_STREQ(infos[1 - broken].unsupportedReason, "");
 
@@ -257,8 +241,7 @@ TEST_F(VulkanLoader, BrokenDriverDoesNotHideOtherDevices)
 }
 
 // Two devices; the second is discrete.
-TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
-{
+TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst) {
   int calls = 0;
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.push_back(devices[0]); };
   faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
@@ -289,13 +272,12 @@ TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
   }
 }
 
-TEST_F(VulkanLoader, MissingLoaderIsReported)
-{
+TEST_F(VulkanLoader, MissingLoaderIsReported) {
   setenv("EMBREE_VULKAN_LOADER", "/nowhere/libvulkan.so.1", 1);
   EXPECT_FALSE(openOwn());
   EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
   EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER"))
-    << embree.message;
+      << embree.message;
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
   // a library without vkGetInstanceProcAddr
@@ -307,8 +289,7 @@ TEST_F(VulkanLoader, MissingLoaderIsReported)
   EXPECT_TRUE(openOwn()) << "an empty name selects the default: " << embree.message;
 }
 
-TEST_F(VulkanLoader, MachineWithoutADriverIsAnError)
-{
+TEST_F(VulkanLoader, MachineWithoutADriverIsAnError) {
   for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) setenv(variable, "/nowhere/none.json", 1);
   EXPECT_FALSE(openOwn());
   EXPECT_EQ(embree.takeError(), RTC_ERROR_UNSUPPORTED_CPU);
@@ -322,23 +303,22 @@ TEST_F(VulkanLoader, MachineWithoutADriverIsAnError)
 // --- compiled shaders ---------------------------------------------------------------------------
 
 // A damaged file, or something else than a file, is ignored. A failed write is not an error.
-TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
-{
+TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir())/("vulkan_faults_cache." + std::to_string(getpid()));
+  const fs::path folder = fs::path(testing::TempDir()) / ("vulkan_faults_cache." + std::to_string(getpid()));
   fs::remove_all(folder);
   setenv("XDG_CACHE_HOME", folder.c_str(), 1);
   reopen();
   EXPECT_EQ(faults->lastCache(), 0u);
   reopen(); // the previous device has written the file
-  const std::vector<fs::path> files(fs::directory_iterator(folder/"embree-cbvh"), fs::directory_iterator());
+  const std::vector<fs::path> files(fs::directory_iterator(folder / "embree-cbvh"), fs::directory_iterator());
   ASSERT_EQ(files.size(), 1u) << "one file per driver, and no other files";
   const size_t whole = faults->lastCache();
   ASSERT_GT(whole, 0u);
   EXPECT_LT(whole, fs::file_size(files[0])) << "with a checksum";
 
   const auto damage = [&](const std::function<void(const fs::path&)>& how) {
-    fs::copy_file(files[0], folder/"copy", fs::copy_options::overwrite_existing);
+    fs::copy_file(files[0], folder / "copy", fs::copy_options::overwrite_existing);
     how(files[0]);
     device.reset();
     how(files[0]); // modifies the written file
@@ -346,7 +326,7 @@ TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
     EXPECT_TRUE(device) << embree.message;
     const size_t read = faults->lastCache();
     fs::remove_all(files[0]);
-    fs::copy_file(folder/"copy", files[0]);
+    fs::copy_file(folder / "copy", files[0]);
     return read;
   };
   EXPECT_EQ(damage([](const fs::path&) {}), whole);
@@ -360,10 +340,22 @@ TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
               f.put(char(0x5A));
             }),
             0u);
-  EXPECT_EQ(damage([](const fs::path& file) { fs::remove_all(file); fs::create_directories(file/"folder"); }), 0u);
-  EXPECT_EQ(damage([](const fs::path& file) { fs::remove(file); fs::create_symlink("/dev/null", file); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) {
+              fs::remove_all(file);
+              fs::create_directories(file / "folder");
+            }),
+            0u);
+  EXPECT_EQ(damage([](const fs::path& file) {
+              fs::remove(file);
+              fs::create_symlink("/dev/null", file);
+            }),
+            0u);
   EXPECT_TRUE(fs::is_character_file("/dev/null")) << "a device is replaced";
-  EXPECT_EQ(damage([](const fs::path& file) { fs::remove(file); ASSERT_EQ(mkfifo(file.c_str(), 0600), 0); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) {
+              fs::remove(file);
+              ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+            }),
+            0u);
 
   device.reset();
   fs::remove_all(folder);
@@ -380,5 +372,4 @@ TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
   reopen();
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

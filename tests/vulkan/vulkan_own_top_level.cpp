@@ -11,20 +11,17 @@
 
 #include <stdexcept>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 const uint32_t code[] =
 #include "own_top_level.inc"
-;
+    ;
 
 constexpr unsigned triangleName = 1000;
 
 // Functions of the extension, which the loader does not export.
-struct Functions
-{
-  explicit Functions(VkDevice device)
-  {
+struct Functions {
+  explicit Functions(VkDevice device) {
     const auto get = [&](const char* name) {
       const PFN_vkVoidFunction found = vkGetDeviceProcAddr(device, name);
       if (!found) throw std::runtime_error(std::string("missing function ") + name);
@@ -48,13 +45,12 @@ constexpr VkBufferUsageFlags inputUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE
 constexpr VkBufferUsageFlags storageUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR;
 
 // An acceleration structure of one geometry, built immediately.
-class OwnStructure
-{
+class OwnStructure {
 public:
   OwnStructure(const RTCVulkanDeviceHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type,
                const VkAccelerationStructureGeometryKHR& geometry, uint32_t count)
-    : handles(handles), functions(functions)
-  {
+    : handles(handles),
+      functions(functions) {
     VkAccelerationStructureBuildGeometryInfoKHR info = {};
     info.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR;
     info.type = type;
@@ -74,7 +70,7 @@ public:
     if (functions.create(handles.device, &create, nullptr, &handle) != VK_SUCCESS)
       throw std::runtime_error("vkCreateAccelerationStructureKHR failed");
     info.dstAccelerationStructure = handle;
-    info.scratchData.deviceAddress = (scratch.address + alignment - 1)/alignment*alignment;
+    info.scratchData.deviceAddress = (scratch.address + alignment - 1) / alignment * alignment;
     const VkAccelerationStructureBuildRangeInfoKHR range = {count, 0, 0, 0}, *ranges = &range;
     RecordedTrace commands(handles);
     commands.record([&](VkCommandBuffer buffer) { functions.build(buffer, 1, &info, &ranges); });
@@ -97,16 +93,14 @@ private:
   VkAccelerationStructureKHR handle = VK_NULL_HANDLE;
 };
 
-struct Arguments
-{
+struct Arguments {
   VkDeviceAddress scene, topLevel, rays;
   uint32_t count;
   float offset;
 };
 
 // Runs own_top_level.comp.
-void query(const RTCVulkanDeviceHandles& handles, const Arguments& arguments)
-{
+void query(const RTCVulkanDeviceHandles& handles, const Arguments& arguments) {
   VkShaderModuleCreateInfo moduleInfo = {};
   moduleInfo.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
   moduleInfo.codeSize = sizeof(code);
@@ -134,7 +128,7 @@ void query(const RTCVulkanDeviceHandles& handles, const Arguments& arguments)
     commands.record([&](VkCommandBuffer buffer) {
       vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
       vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
-      vkCmdDispatch(buffer, (arguments.count + 63)/64, 1, 1);
+      vkCmdDispatch(buffer, (arguments.count + 63) / 64, 1, 1);
     });
     commands.submitAndWait();
   }
@@ -143,19 +137,16 @@ void query(const RTCVulkanDeviceHandles& handles, const Arguments& arguments)
   vkDestroyShaderModule(handles.device, module, nullptr);
 }
 
-class VulkanOwnTopLevel : public VulkanTest
-{
+class VulkanOwnTopLevel : public VulkanTest {
 protected:
-  void SetUp() override
-  {
+  void SetUp() override {
     VulkanTest::SetUp();
     if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " does not support ray queries";
   }
 };
 
 // The application moves the scene along x, and its triangle intersects the scene.
-TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
-{
+TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu) {
   const RTCVulkanDeviceHandles& handles = vulkan->handles;
   const Functions functions(handles.device);
   Random random{97};
@@ -176,7 +167,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   ASSERT_NE(onDevice, nullptr) << embree.message;
 
   const std::vector<Vec> vertices = {{-2, -2, 0.1f}, {3, -2, 0.3f}, {-2, 3, -0.2f}};
-  const RayBuffer input(handles, vertices.data(), sizeof(Vec)*vertices.size(), inputUsage);
+  const RayBuffer input(handles, vertices.data(), sizeof(Vec) * vertices.size(), inputUsage);
   VkAccelerationStructureGeometryKHR triangles = {};
   triangles.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR;
   triangles.geometryType = VK_GEOMETRY_TYPE_TRIANGLES_KHR;
@@ -199,7 +190,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   own.mask = 0xFF;
   own.accelerationStructureReference = mesh.address;
   instances.push_back(own);
-  const RayBuffer instanceInput(handles, instances.data(), sizeof(instances[0])*instances.size(), inputUsage);
+  const RayBuffer instanceInput(handles, instances.data(), sizeof(instances[0]) * instances.size(), inputUsage);
   VkAccelerationStructureGeometryKHR list = {};
   list.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR;
   list.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
@@ -209,7 +200,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
                               uint32_t(instances.size()));
 
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
-  const RayBuffer buffer(handles, rays.data(), sizeof(RTCRayHit)*rays.size());
+  const RayBuffer buffer(handles, rays.data(), sizeof(RTCRayHit) * rays.size());
   query(handles,
         {rtcGetVulkanSceneAddress(onDevice.get()), topLevel.address, buffer.address, uint32_t(rays.size()), offset});
   const RTCRayHit* found = static_cast<const RTCRayHit*>(buffer.mapped);
@@ -217,7 +208,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   /* the same world on the CPU, including the triangle */
   Scene world(embree);
   RTCGeometry whole = newInstance(embree, inside, 0);
-  const float transform[12] = {1,0,0, 0,1,0, 0,0,1, offset,0,0.4f};
+  const float transform[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, offset, 0, 0.4f};
   rtcSetGeometryTransform(whole, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
   rtcCommitGeometry(whole);
   attach(world, whole);
@@ -225,7 +216,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   addSurface(embree, sheet, sheetCage(3), settings);
   rtcCommitScene(sheet);
   RTCGeometry moved = newInstance(embree, sheet, 0);
-  const float aside[12] = {1,0,0, 0,1,0, 0,0,1, offset,0,0};
+  const float aside[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, offset, 0, 0};
   rtcSetGeometryTransform(moved, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, aside);
   rtcCommitGeometry(moved);
   attach(world, moved);
@@ -242,7 +233,7 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
     const unsigned kind = !isHit(truth) ? 3 : truth.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? truth.hit.instID[0] : 2;
     counts[kind]++;
     bool same = isHit(found[i]) == isHit(truth) &&
-                (kind == 3 || std::fabs(found[i].ray.tfar - truth.ray.tfar) <= 1e-5f*truth.ray.tfar);
+                (kind == 3 || std::fabs(found[i].ray.tfar - truth.ray.tfar) <= 1e-5f * truth.ray.tfar);
     if (kind == 0)
       same = same && found[i].hit.geomID == 0 && found[i].hit.instID[0] == 0 && found[i].hit.primID == truth.hit.primID;
     if (kind == 1)
@@ -255,5 +246,4 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   EXPECT_LE(differing, 3u);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

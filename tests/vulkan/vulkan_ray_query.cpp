@@ -13,37 +13,31 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 // Numbers of rays for which ray queries and compute shaders differ in one scene.
-struct Differences
-{
+struct Differences {
   size_t rays = 0, hits = 0;
-  size_t bits = 0;      // results that are not equal to the bit
-  size_t otherHit = 0;  // a hit instead of a miss, or the reverse, or different IDs
-  size_t otherAny = 0;  // any hit differs from closest hit
+  size_t bits = 0;     // results that are not equal to the bit
+  size_t otherHit = 0; // a hit instead of a miss, or the reverse, or different IDs
+  size_t otherAny = 0; // any hit differs from closest hit
 };
 
-class VulkanRayQuery : public SharedVulkanTest
-{
+class VulkanRayQuery : public SharedVulkanTest {
 protected:
   Random random{91};
   Displacement displacement;
 
-  void SetUp() override
-  {
+  void SetUp() override {
     SharedVulkanTest::SetUp();
     if (vulkan && !vulkan->handles.hasRayQuery) skipProgram(vulkan->name + " does not support ray queries");
   }
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16)
-  {
+  SurfaceSettings settings(RTCCompression compression, float rate = 16) {
     return displacedSettings(displacement, compression, rate);
   }
 
-  Differences compare(RTCScene scene, const std::vector<RTCRayHit>& rays)
-  {
+  Differences compare(RTCScene scene, const std::vector<RTCRayHit>& rays) {
     const VulkanScene compute = newVulkanScene(device, scene), query = newQueryScene(device, scene);
     EXPECT_NE(compute, nullptr) << embree.message;
     EXPECT_NE(query, nullptr) << embree.message;
@@ -69,30 +63,27 @@ protected:
 };
 
 // bits: number of rays whose hits may differ by rounding; 0 for representations whose blocks do not overlap
-void expectSame(const Differences& found, size_t bits = 0)
-{
-  EXPECT_GT(found.hits, found.rays/20) << "too many rays miss";
+void expectSame(const Differences& found, size_t bits = 0) {
+  EXPECT_GT(found.hits, found.rays / 20) << "too many rays miss";
   EXPECT_LE(found.bits, bits);
   EXPECT_EQ(found.otherHit, 0u);
   EXPECT_EQ(found.otherAny, 0u);
 }
 
-TEST_F(VulkanRayQuery, HitsMatchComputeShaders)
-{
+TEST_F(VulkanRayQuery, HitsMatchComputeShaders) {
   Cage creased = cubeCage();
-  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
   creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
   for (RTCCompression kind : allKinds)
     for (const Cage& cage : {cubeCage(), sheetCage(3), prismCage(7), creased}) {
       const SurfaceScene scene(embree, cage, settings(kind));
       const Differences found = compare(scene, raysAt(random, 10000));
       SCOPED_TRACE(kindName(kind));
-      expectSame(found, kind == RTC_COMPRESSION_CVERT || kind == RTC_COMPRESSION_CGRID ? 0 : found.hits/1000);
+      expectSame(found, kind == RTC_COMPRESSION_CVERT || kind == RTC_COMPRESSION_CGRID ? 0 : found.hits / 1000);
     }
 }
 
-TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders)
-{
+TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders) {
   for (const Diced& diced : {dicedSheet(6, 8), dicedSheet(1, 64), dicedBall(2, 11)}) {
     Scene scene(embree);
     rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_CVERT), 3);
@@ -109,8 +100,7 @@ TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders)
   }
 }
 
-TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders)
-{
+TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders) {
   Scene inside(embree), scene(embree);
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
     SCOPED_TRACE(shape.name);
@@ -125,8 +115,7 @@ TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders)
 }
 
 // Different kinds next to each other with masks, triangles of a mesh, a disabled geometry, and ranges of rays.
-TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders)
-{
+TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders) {
   Scene scene(embree);
   Displacement displacements[5];
   addSurfacesOfAllKinds(embree, scene, displacements);
@@ -142,11 +131,10 @@ TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders)
     rays[i].ray.tfar = rays[i].ray.tnear + float(random.uniform(0, 0.8));
   }
   const Differences found = compare(scene, rays);
-  expectSame(found, found.hits/1000);
+  expectSame(found, found.hits / 1000);
 }
 
-TEST_F(VulkanRayQuery, NonFiniteRaysMiss)
-{
+TEST_F(VulkanRayQuery, NonFiniteRaysMiss) {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   const VulkanScene query = newQueryScene(device, scene);
   ASSERT_NE(query, nullptr) << embree.message;
@@ -161,8 +149,7 @@ TEST_F(VulkanRayQuery, NonFiniteRaysMiss)
 }
 
 // Rays from inside a closed surface at shared vertices and edges of blocks.
-TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
-{
+TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface) {
   AllVertices recorder;
   Scene scene(embree);
   recorder.build(embree, scene, cubeCage(), settings(RTC_COMPRESSION_CVERT, 32));
@@ -181,19 +168,18 @@ TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
 }
 
 // Surfaces far from the origin, and rays from the largest supported distance.
-TEST_F(VulkanRayQuery, DistantRaysHitTheirTargets)
-{
+TEST_F(VulkanRayQuery, DistantRaysHitTheirTargets) {
   for (float offset : {0.f, 1e3f}) {
-    displacement.offset = {offset, -offset, 0.5f*offset};
+    displacement.offset = {offset, -offset, 0.5f * offset};
     const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CVERT));
     std::vector<RTCRayHit> rays;
     for (int i = 0; i < 20000; i++) {
       Vec d, target, org;
       for (float& x : d) x = float(random.normal());
-      const float distance = 20*std::max(1.f, offset)/std::sqrt(d[0]*d[0] + d[1]*d[1] + d[2]*d[2]);
+      const float distance = 20 * std::max(1.f, offset) / std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
       for (int k = 0; k < 3; k++) {
         target[k] = displacement.offset[k] + float(random.uniform(-0.7, 0.7));
-        org[k] = target[k] + distance*d[k];
+        org[k] = target[k] + distance * d[k];
       }
       rays.push_back(makeRay(org, {target[0] - org[0], target[1] - org[1], target[2] - org[2]}));
     }
@@ -201,8 +187,7 @@ TEST_F(VulkanRayQuery, DistantRaysHitTheirTargets)
   }
 }
 
-TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
-{
+TEST_F(VulkanRayQuery, InstancesMatchComputeShaders) {
   Scene inside(embree), scene(embree);
   addSurface(embree, inside, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   addSurface(embree, inside, sheetCage(3), settings(RTC_COMPRESSION_CLEAF));
@@ -215,22 +200,21 @@ TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
   std::vector<RTCRayHit> rays = maskedTimedRays(random, 20000);
   for (size_t i = 0; i < rays.size(); i += 97) rays[i].ray.time = i % 2 ? NAN : INFINITY;
   const Differences found = compare(scene, rays);
-  expectSame(found, found.hits/1000); // blocks of cLEAF overlap
+  expectSame(found, found.hits / 1000); // blocks of cLEAF overlap
 }
 
-TEST_F(VulkanRayQuery, MovingGeometryMatchesComputeShaders)
-{
+TEST_F(VulkanRayQuery, MovingGeometryMatchesComputeShaders) {
   Scene scene(embree);
   Displacement others[4];
   for (unsigned i = 0; i < 4; i++) {
     SurfaceSettings s = settings(RTC_COMPRESSION_CVERT);
     s.timeSteps = 1 + i;
-    s.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3*step); };
+    s.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3 * step); };
     if (i > 1) {
-      s.begin = 0.25f*float(i) - 0.4f;
+      s.begin = 0.25f * float(i) - 0.4f;
       s.end = s.begin + 0.5f;
     }
-    others[i].offset = {0.8f*float(i) - 1.2f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
+    others[i].offset = {0.8f * float(i) - 1.2f, 0.3f * float(i % 2), 0.2f * float(i % 3)};
     others[i].scale = 0.5f;
     s.displacement = &others[i];
     addSurface(embree, scene, i % 2 ? cubeCage() : prismCage(5), s);
@@ -241,8 +225,7 @@ TEST_F(VulkanRayQuery, MovingGeometryMatchesComputeShaders)
   expectSame(compare(scene, rays));
 }
 
-TEST_F(VulkanRayQuery, EmptyScenesHaveNoHits)
-{
+TEST_F(VulkanRayQuery, EmptyScenesHaveNoHits) {
   Scene scene(embree);
   rtcCommitScene(scene);
   const VulkanScene query = newQueryScene(device, scene);
@@ -254,8 +237,7 @@ TEST_F(VulkanRayQuery, EmptyScenesHaveNoHits)
 }
 
 // Instances with the same motion have the same boxes in world space, and share the structure over them.
-TEST_F(VulkanRayQuery, StatisticsCountASharedStructureOnce)
-{
+TEST_F(VulkanRayQuery, StatisticsCountASharedStructureOnce) {
   Scene inside(embree);
   addSurface(embree, inside, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   rtcCommitScene(inside);
@@ -275,13 +257,12 @@ TEST_F(VulkanRayQuery, StatisticsCountASharedStructureOnce)
   EXPECT_EQ(statistics[1].numBoxes, statistics[0].numBoxes);
 }
 
-TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
-{
+TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures) {
   Scene scene(embree);
   Displacement others[3];
   std::vector<RTCGeometry> geometries;
   for (unsigned i = 0; i < 3; i++) {
-    others[i].offset = {1.2f*float(i) - 1.2f, 0, 0};
+    others[i].offset = {1.2f * float(i) - 1.2f, 0, 0};
     others[i].scale = 0.5f;
     SurfaceSettings s = settings(RTC_COMPRESSION_CVERT);
     s.displacement = &others[i];
@@ -297,21 +278,21 @@ TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
   VulkanScene before = newQueryScene(device, scene);
   ASSERT_NE(before, nullptr) << embree.message;
   const size_t all = statisticsOfQuery(before).numBoxes;
-  EXPECT_GT(statisticsOfQuery(before).structureBytes, 64*all/4);
+  EXPECT_GT(statisticsOfQuery(before).structureBytes, 64 * all / 4);
   EXPECT_EQ(statisticsOfQuery(before).numBuiltBoxes, all);
   EXPECT_EQ(statisticsOfQuery(newQueryScene(device, scene)).numBuiltBoxes, 0u); // no change
 
   const std::vector<RTCRayHit> rays = raysAt(random, 5000);
   for (int edit = 0; edit < 3; edit++) {
-    others[1].offset[1] = 0.1f*float(edit + 1);
+    others[1].offset[1] = 0.1f * float(edit + 1);
     rtcCommitGeometry(geometries[1]);
     rtcCommitScene(scene);
     VulkanScene after = newQueryScene(device, scene, edit ? before.get() : nullptr);
     ASSERT_NE(after, nullptr) << embree.message;
     const RTCVulkanSceneStatistics statistics = statisticsOfQuery(after);
     EXPECT_EQ(statistics.numBoxes, all);
-    EXPECT_EQ(statistics.numBuiltBoxes, edit ? 0 : all/3);
-    EXPECT_EQ(statistics.numUpdatedBoxes, edit ? all/3 : 0);
+    EXPECT_EQ(statistics.numBuiltBoxes, edit ? 0 : all / 3);
+    EXPECT_EQ(statistics.numUpdatedBoxes, edit ? all / 3 : 0);
     const VulkanScene compute = newVulkanScene(device, scene);
     std::vector<RTCRayHit> a = rays, b = rays;
     intersectOnDevice(after, a);
@@ -322,8 +303,7 @@ TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
-TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected)
-{
+TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected) {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_CVERT));
   const VulkanScene compute = newVulkanScene(device, scene), query = newQueryScene(device, scene);
   EXPECT_EQ(rtcGetVulkanSceneInstances(compute.get(), nullptr, 0), 0u);
@@ -349,5 +329,4 @@ TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected)
   EXPECT_TRUE(containsInOrder(embree.message, {vulkan->name, "VK_KHR_ray_query"}));
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -7,24 +7,21 @@
 #include "support/reference_check.h"
 #include "vulkan_tracer.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class VulkanReference : public VulkanTest
-{
+class VulkanReference : public VulkanTest {
 protected:
-  void expectReferences(RTCCompression compression)
-  {
-    ReferenceCheck check(embree, compression,
-                         [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
-                           const VulkanScene onDevice = newVulkanScene(
-                             device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
-                           intersectOnDevice(onDevice, closest);
-                           occludedOnDevice(onDevice, any);
-                         });
+  void expectReferences(RTCCompression compression) {
+    ReferenceCheck check(
+        embree, compression, [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
+          const VulkanScene onDevice =
+              newVulkanScene(device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
+          intersectOnDevice(onDevice, closest);
+          occludedOnDevice(onDevice, any);
+        });
     Random random(61);
     const std::vector<Placement> placements = {
-      {1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
+        {1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
     for (unsigned height : {0, 1, 2, 3, 5})
       for (const Placement& at : placements)
         for (Shape shape : allShapes) {
@@ -43,5 +40,4 @@ TEST_F(VulkanReference, VoxelsMatchReference) { expectReferences(RTC_COMPRESSION
 TEST_F(VulkanReference, LeavesMatchReference) { expectReferences(RTC_COMPRESSION_CLEAF); }
 TEST_F(VulkanReference, VerticesMatchReference) { expectReferences(RTC_COMPRESSION_CVERT); }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

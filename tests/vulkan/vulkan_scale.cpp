@@ -5,17 +5,14 @@
 
 #include "vulkan_tracer.h"
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
-class VulkanScale : public VulkanTest
-{
+class VulkanScale : public VulkanTest {
 protected:
   Random random{91};
   Displacement displacement;
 
-  SurfaceSettings settings(RTCCompression compression, float rate)
-  {
+  SurfaceSettings settings(RTCCompression compression, float rate) {
     SurfaceSettings s;
     s.displacement = &displacement;
     s.compression = compression;
@@ -24,8 +21,7 @@ protected:
     return s;
   }
 
-  RTCVulkanSceneStatistics expectProcessorsHits(RTCScene scene, RTCVulkanMemory memory, size_t count)
-  {
+  RTCVulkanSceneStatistics expectProcessorsHits(RTCScene scene, RTCVulkanMemory memory, size_t count) {
     const VulkanScene onDevice = newVulkanScene(device, scene, memory);
     RTCVulkanSceneStatistics statistics = {};
     EXPECT_NE(onDevice, nullptr) << embree.message;
@@ -38,17 +34,17 @@ protected:
     for (size_t i = 0; i < count; i++) {
       const RTCRayHit truth = intersect(scene, rays[i]);
       hits += isHit(truth);
-      other += isHit(truth) != isHit(found[i]) || (isHit(truth) && (truth.hit.geomID != found[i].hit.geomID ||
-                                                                    truth.hit.instID[0] != found[i].hit.instID[0]));
+      other +=
+          isHit(truth) != isHit(found[i]) ||
+          (isHit(truth) && (truth.hit.geomID != found[i].hit.geomID || truth.hit.instID[0] != found[i].hit.instID[0]));
     }
-    EXPECT_GT(hits, count/10);
-    EXPECT_LE(other, 1 + count/10000);
+    EXPECT_GT(hits, count / 10);
+    EXPECT_LE(other, 1 + count / 10000);
     return statistics;
   }
 };
 
-TEST_F(VulkanScale, HundredThousandInstances)
-{
+TEST_F(VulkanScale, HundredThousandInstances) {
   Scene leaf(embree), scene(embree);
   addSurface(embree, leaf, cubeCage(), settings(RTC_COMPRESSION_CLEAF, 16));
   rtcCommitScene(leaf);
@@ -75,8 +71,7 @@ TEST_F(VulkanScale, HundredThousandInstances)
   EXPECT_EQ(expectProcessorsHits(scene, RTC_VULKAN_MEMORY_AUTO, 10000).numInstances, 100000u);
 }
 
-TEST_F(VulkanScale, TenThousandGeometries)
-{
+TEST_F(VulkanScale, TenThousandGeometries) {
   Scene scene(embree);
   std::vector<Displacement> displacements(10000);
   for (size_t i = 0; i < displacements.size(); i++) {
@@ -93,8 +88,7 @@ TEST_F(VulkanScale, TenThousandGeometries)
 }
 
 // More than lavapipe's largest storage buffer, 128 MiB, and many pages of references.
-TEST_F(VulkanScale, BlocksBeyondTheLargestBuffer)
-{
+TEST_F(VulkanScale, BlocksBeyondTheLargestBuffer) {
   const SurfaceScene scene(embree, sheetCage(35), settings(RTC_COMPRESSION_NONE, 64));
   const RTCVulkanSceneStatistics copied = expectProcessorsHits(scene, RTC_VULKAN_MEMORY_COPY, 20000);
   EXPECT_GT(copied.deviceBytes, size_t(128) << 20);
@@ -105,5 +99,4 @@ TEST_F(VulkanScale, BlocksBeyondTheLargestBuffer)
   EXPECT_LT(imported.deviceBytes, copied.deviceBytes);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -10,15 +10,13 @@
 #include <functional>
 #include <limits>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using VulkanScenes = VulkanAPI;
 
 // --- rejected scenes -------------------------------------------------------------------------------
 
-TEST_F(VulkanScenes, UncommittedScenesAreErrors)
-{
+TEST_F(VulkanScenes, UncommittedScenesAreErrors) {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
   EXPECT_FALSE(upload(scene));
@@ -31,8 +29,7 @@ TEST_F(VulkanScenes, UncommittedScenesAreErrors)
 }
 
 // The scene may belong to another RTCDevice.
-TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice)
-{
+TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice) {
   Device other;
   Scene scene(other);
   attach(scene, newTriangle(other, 1));
@@ -47,16 +44,14 @@ TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-struct RefusedGeometry
-{
+struct RefusedGeometry {
   const char* name;
   std::vector<std::string> message;
-  std::function<RTCGeometry(RTCDevice)> make;  // committed; NULL if this build does not support it
+  std::function<RTCGeometry(RTCDevice)> make; // committed; NULL if this build does not support it
 };
 
 template<typename Fill>
-RTCGeometry newGeometry(RTCDevice device, RTCGeometryType type, const Fill& fill)
-{
+RTCGeometry newGeometry(RTCDevice device, RTCGeometryType type, const Fill& fill) {
   RTCGeometry geometry = rtcNewGeometry(device, type);
   if (!geometry) return nullptr;
   fill(geometry);
@@ -66,90 +61,92 @@ RTCGeometry newGeometry(RTCDevice device, RTCGeometryType type, const Fill& fill
 
 const std::vector<Vec> square = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
 
-std::vector<RefusedGeometry> refusedGeometries()
-{
-  return {
-    {"quad mesh",
-     {"quad mesh"},
-     [](RTCDevice device) {
-       return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
-         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
-         setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
-       });
-     }},
-    {"grid mesh",
-     {"grid mesh"},
-     [](RTCDevice device) {
-       return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
-         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                   std::vector<Vec>{square[0], square[1], square[3], square[2]});
-         setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
-       });
-     }},
-    {"user geometry",
-     {"user geometry"},
-     [](RTCDevice device) {
-       return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
-         rtcSetGeometryUserPrimitiveCount(g, 1);
-         rtcSetGeometryBoundsFunction(
-           g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }, nullptr);
-         rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
-         rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
-       });
-     }},
-    {"curve",
-     {"curves"},
-     [](RTCDevice device) -> RTCGeometry {
-       if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
-       return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
-         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                   std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
-         setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
-       });
-     }},
-    {"points",
-     {"points"},
-     [](RTCDevice device) -> RTCGeometry {
-       if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
-       return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
-         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
-       });
-     }},
-    {"triangle mesh with motion blur",
-     {"triangle mesh", "motion", "2 time steps"},
-     [](RTCDevice device) { return newTriangle(device, 0, 2); }},
-    {"surface with motion blur",
-     {"surface", "motion", "2 time steps"},
-     [](RTCDevice device) {
-       SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
-       settings.timeSteps = 2;
-       return newSurface(device, sheetCage(1), settings);
-     }},
-    {"triangle mesh with an intersection filter",
-     {"filter"},
-     [](RTCDevice device) {
-       const RTCGeometry g = newTriangle(device, 0);
-       rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
-       rtcCommitGeometry(g);
-       return g;
-     }},
-    {"surface with an occlusion filter", {"filter"}, [](RTCDevice device) {
-       const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_CLEAF));
-       rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
-       rtcCommitGeometry(g);
-       return g;
-     }}};
+std::vector<RefusedGeometry> refusedGeometries() {
+  return {{"quad mesh",
+           {"quad mesh"},
+           [](RTCDevice device) {
+             return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
+               setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
+               setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                         std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
+             });
+           }},
+          {"grid mesh",
+           {"grid mesh"},
+           [](RTCDevice device) {
+             return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
+               setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                         std::vector<Vec>{square[0], square[1], square[3], square[2]});
+               setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
+             });
+           }},
+          {"user geometry",
+           {"user geometry"},
+           [](RTCDevice device) {
+             return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
+               rtcSetGeometryUserPrimitiveCount(g, 1);
+               rtcSetGeometryBoundsFunction(
+                   g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; },
+                   nullptr);
+               rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
+               rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
+             });
+           }},
+          {"curve",
+           {"curves"},
+           [](RTCDevice device) -> RTCGeometry {
+             if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
+             return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
+               setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                         std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
+               setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
+             });
+           }},
+          {"points",
+           {"points"},
+           [](RTCDevice device) -> RTCGeometry {
+             if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
+             return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
+               setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                         std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
+             });
+           }},
+          {"triangle mesh with motion blur",
+           {"triangle mesh", "motion", "2 time steps"},
+           [](RTCDevice device) { return newTriangle(device, 0, 2); }},
+          {"surface with motion blur",
+           {"surface", "motion", "2 time steps"},
+           [](RTCDevice device) {
+             SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
+             settings.timeSteps = 2;
+             return newSurface(device, sheetCage(1), settings);
+           }},
+          {"triangle mesh with an intersection filter",
+           {"filter"},
+           [](RTCDevice device) {
+             const RTCGeometry g = newTriangle(device, 0);
+             rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+             rtcCommitGeometry(g);
+             return g;
+           }},
+          {"surface with an occlusion filter", {"filter"}, [](RTCDevice device) {
+             const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_CLEAF));
+             rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+             rtcCommitGeometry(g);
+             return g;
+           }}};
 }
 
-TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
-{
-  for (const RefusedGeometry& refused : refusedGeometries())
-  {
+TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled) {
+  for (const RefusedGeometry& refused : refusedGeometries()) {
     SCOPED_TRACE(refused.name);
     const RTCGeometry geometry = refused.make(embree);
-    if (!geometry) { expectNoError(); continue; }
+    if (!geometry) {
+      expectNoError();
+      continue;
+    }
     Scene scene(embree);
-    rtcAttachGeometryByID(scene, geometry, 3);   // lower IDs have no geometry
+    rtcAttachGeometryByID(scene, geometry, 3); // lower IDs have no geometry
     attach(scene, newTriangle(embree, 1));
     rtcCommitScene(scene);
     expectNoError();
@@ -177,8 +174,7 @@ TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
   }
 }
 
-TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
-{
+TEST_F(VulkanScenes, UnsupportedInstancesAreReported) {
   Scene triangle(embree), instance(embree), above(embree), cyclic(embree), moving(embree);
   attach(triangle, newTriangle(embree, 0));
   rtcCommitScene(triangle);
@@ -189,14 +185,13 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   attach(above, newInstance(embree, instance, 0));
   rtcCommitScene(above);
   EXPECT_FALSE(upload(above));
-  expectError(RTC_ERROR_INVALID_OPERATION,
-              {"geometry 1 ", "instanced", "instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "instanced", "instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
   attach(cyclic, newTriangle(embree, 0));
   attach(cyclic, newInstance(embree, cyclic, 0));
   rtcCommitScene(cyclic);
   EXPECT_FALSE(upload(cyclic));
   expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", " own ", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
-  rtcDetachGeometry(cyclic, 1);   // the scene no longer retains itself
+  rtcDetachGeometry(cyclic, 1); // the scene no longer retains itself
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
   rtcCommitScene(moving);
@@ -214,13 +209,10 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
 }
 
 // Nothing leaks.
-TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError)
-{
-  struct Limit
-  {
+TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError) {
+  struct Limit {
     ssize_t live = 0, most = std::numeric_limits<ssize_t>::max();
-    static bool monitor(void* self, ssize_t bytes, bool)
-    {
+    static bool monitor(void* self, ssize_t bytes, bool) {
       Limit& limit = *(Limit*)self;
       if (bytes > 0 && limit.live + bytes > limit.most) return false;
       limit.live += bytes;
@@ -244,17 +236,16 @@ TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError)
 
 // Other failures of Embree's builder keep their code and text, for example if the application cancels the task in which
 // it uploads a scene.
-TEST_F(VulkanScenes, UploadInACanceledTaskIsNotAboutMemory)
-{
+TEST_F(VulkanScenes, UploadInACanceledTaskIsNotAboutMemory) {
   const unsigned count = 50000;
   RTCGeometry geometry = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_TRIANGLE);
   float* vertices =
-    (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3*count);
+      (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * count);
   unsigned* indices =
-    (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count);
+      (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count);
   Random random(5);
-  for (unsigned i = 0; i < 3*count; i++) {
-    for (int k = 0; k < 3; k++) vertices[3*i + k] = float(random.uniform());
+  for (unsigned i = 0; i < 3 * count; i++) {
+    for (int k = 0; k < 3; k++) vertices[3 * i + k] = float(random.uniform());
     indices[i] = i;
   }
   rtcCommitGeometry(geometry);
@@ -274,8 +265,7 @@ TEST_F(VulkanScenes, UploadInACanceledTaskIsNotAboutMemory)
 
 // --- accepted scenes -------------------------------------------------------------------------------
 
-TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
-{
+TEST_F(VulkanScenes, StatisticsReportLocationOfMemory) {
   Scene scene(embree);
   const SmallScene instanced(embree);
   attach(scene, newInstance(embree, instanced, 0));
@@ -289,11 +279,11 @@ TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
   EXPECT_EQ(copied.importedBytes, 0u);
   EXPECT_EQ(copied.numInstances, 2u);
   EXPECT_EQ(copied.numGeometries, 5u) << "three, and two of the instanced scene, which is stored once";
-  EXPECT_EQ(copied.numBlocks, 4u*4);
+  EXPECT_EQ(copied.numBlocks, 4u * 4);
   EXPECT_GT(copied.numNodes, 0u);
   EXPECT_GT(copied.topLevelBytes, 0u);
   EXPECT_GE(copied.deviceBytes, copied.topLevelBytes + statisticsOf(instanced).headerBytes +
-                                  statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
+                                    statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
   EXPECT_EQ(copied.stackSize % 32, 0u);
   EXPECT_NE(rtcGetVulkanSceneAddress(copy.get()), 0u);
   EXPECT_EQ(rtcGetVulkanSceneAddress(copy.get()) % 16, 0u);
@@ -313,8 +303,7 @@ TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
 }
 
 // The transferred bytes are those of surfaces that the device did not have, and of the scene's tree.
-TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
-{
+TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges) {
   for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and surfaces with their own buffers
     SCOPED_TRACE(testing::Message() << "rate " << rate);
     SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CVERT);
@@ -345,8 +334,8 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
       return s.headerBytes + s.nodeBytes + s.leafBytes;
     };
     const size_t bytes = blockBytes(*first), ofA = blockBytes(*second);
-    EXPECT_GE(sent(all), bytes*9/10); // without the padding between blocks on the host
-    const size_t ofTheScene = 1024; // geometries and similar data
+    EXPECT_GE(sent(all), bytes * 9 / 10); // without the padding between blocks on the host
+    const size_t ofTheScene = 1024;       // geometries and similar data
     const VulkanScene shared = upload(*second, RTC_VULKAN_MEMORY_COPY), again = upload(*first, RTC_VULKAN_MEMORY_COPY);
     EXPECT_LT(sent(shared), ofTheScene);
     EXPECT_LT(sent(again), ofTheScene);
@@ -357,12 +346,12 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
     rtcCommitScene(*first);
     EXPECT_LT(sent(upload(*first, RTC_VULKAN_MEMORY_COPY)), ofTheScene);
     rtcSetGeometryMask(b, ~0u);
-    rtcSetGeometryTessellationRate(b, float(rate/2));
+    rtcSetGeometryTessellationRate(b, float(rate / 2));
     rtcCommitGeometry(b);
     rtcCommitScene(*first);
     VulkanScene changed = upload(*first, RTC_VULKAN_MEMORY_COPY);
     EXPECT_LT(sent(changed), bytes - ofA);
-    EXPECT_GE(sent(changed), (bytes - ofA)/8);
+    EXPECT_GE(sent(changed), (bytes - ofA) / 8);
     all.reset();
     expectHits(changed, *first);
     expectHits(shared, *second);
@@ -373,8 +362,7 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
 }
 
 // A tree contains moving blocks once per time interval, and instanced scenes may contain the surfaces of a scene.
-TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce)
-{
+TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce) {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_CVERT);
   settings.timeSteps = 9;
   settings.motion = orbiting;
@@ -388,8 +376,8 @@ TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce)
   EXPECT_EQ(statistics.numBlocks, statisticsOf(moving).numBlocks);
   std::vector<RTCRayHit> rays;
   for (int i = 0; i < 200; i++) {
-    const float time = float(i)/200, a = 2*float(M_PI)*time;
-    rays.push_back(makeRay({3*std::cos(a), 3*std::sin(a), 5}, {0.01f, 0.02f, -1}));
+    const float time = float(i) / 200, a = 2 * float(M_PI) * time;
+    rays.push_back(makeRay({3 * std::cos(a), 3 * std::sin(a), 5}, {0.01f, 0.02f, -1}));
     rays.back().ray.time = time;
   }
   expectAsOnTheCPU(moving, rays, traceAll(uploaded.get(), rays));
@@ -414,12 +402,11 @@ TEST_F(VulkanScenes, RepeatedBlocksAreStoredOnce)
   const VulkanScene all = upload(several, RTC_VULKAN_MEMORY_COPY);
   ASSERT_TRUE(all) << embree.message;
   rtcGetVulkanSceneStatistics(all.get(), &statistics);
-  EXPECT_LT(statistics.deviceBytes - statistics.topLevelBytes, blockBytes*3/2);
+  EXPECT_LT(statistics.deviceBytes - statistics.topLevelBytes, blockBytes * 3 / 2);
 }
 
 // Embree stores grids for a scene without compressed geometry, apart from the grids for scenes with some.
-TEST_F(VulkanScenes, ACageOfScenesWithAndWithoutCompressedGeometryMatchesCpu)
-{
+TEST_F(VulkanScenes, ACageOfScenesWithAndWithoutCompressedGeometryMatchesCpu) {
   Displacement below;
   below.offset = {0, 0, -2};
   Scene mixed(embree), plain(embree);
@@ -433,15 +420,14 @@ TEST_F(VulkanScenes, ACageOfScenesWithAndWithoutCompressedGeometryMatchesCpu)
   const std::array<RTCScene, 2> orders[] = {{mixed, plain}, {plain, mixed}};
   for (const auto& order : orders) {
     const VulkanScene first = upload(order[0], RTC_VULKAN_MEMORY_COPY),
-      second = upload(order[1], RTC_VULKAN_MEMORY_COPY);
+                      second = upload(order[1], RTC_VULKAN_MEMORY_COPY);
     ASSERT_TRUE(first && second) << embree.message;
     expectAsOnTheCPU(order[0], rays, traceAll(first.get(), rays));
     expectAsOnTheCPU(order[1], rays, traceAll(second.get(), rays));
   }
 }
 
-TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
-{
+TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain) {
   const SmallScene scene(embree, RTC_COMPRESSION_CVERT);
   RTCVulkanSceneStatistics before, after;
   VulkanScene uploaded = upload(scene, RTC_VULKAN_MEMORY_COPY);
@@ -452,5 +438,4 @@ TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
   EXPECT_EQ(before.uploadedBytes, after.uploadedBytes);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

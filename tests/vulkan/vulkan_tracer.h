@@ -11,15 +11,13 @@
 
 namespace cbvh::test {
 
-inline void intersectOnDevice(const VulkanScene& scene, std::vector<RTCRayHit>& rays)
-{
+inline void intersectOnDevice(const VulkanScene& scene, std::vector<RTCRayHit>& rays) {
   RTCVulkanTrace trace = rtcStartVulkanIntersect(scene.get(), rays.data(), rays.size());
   if (!trace || !rtcFinishVulkanTrace(trace, rays.data(), nullptr))
     throw std::runtime_error("tracing on the Vulkan device failed");
 }
 
-inline void occludedOnDevice(const VulkanScene& scene, std::vector<RTCRay>& rays)
-{
+inline void occludedOnDevice(const VulkanScene& scene, std::vector<RTCRay>& rays) {
   RTCVulkanTrace trace = rtcStartVulkanOccluded(scene.get(), rays.data(), rays.size());
   if (!trace || !rtcFinishVulkanTrace(trace, rays.data(), nullptr))
     throw std::runtime_error("tracing on the Vulkan device failed");

@@ -9,15 +9,13 @@
 #include <limits>
 #include <thread>
 
-namespace cbvh::test {
-namespace {
+namespace cbvh::test { namespace {
 
 using VulkanTraces = VulkanAPI;
 
 // --- input -------------------------------------------------------------------------------------------
 
-TEST_F(VulkanTraces, EmptyScenesHaveNoHits)
-{
+TEST_F(VulkanTraces, EmptyScenesHaveNoHits) {
   const std::vector<RTCRayHit> rays = raysFromAbove();
   const std::vector<RTCRay> shadowRays = withoutHits(rays);
   Scene empty(embree), disabled(embree), noFaces(embree), ofEmpty(embree);
@@ -42,8 +40,7 @@ TEST_F(VulkanTraces, EmptyScenesHaveNoHits)
     }
 }
 
-TEST_F(VulkanTraces, ZeroRaysFinishImmediately)
-{
+TEST_F(VulkanTraces, ZeroRaysFinishImmediately) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   std::vector<RTCRayHit> none;
@@ -57,8 +54,7 @@ TEST_F(VulkanTraces, ZeroRaysFinishImmediately)
   });
 }
 
-TEST_F(VulkanTraces, InactiveRaysAreUnchanged)
-{
+TEST_F(VulkanTraces, InactiveRaysAreUnchanged) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   const float inf = std::numeric_limits<float>::infinity();
@@ -82,15 +78,17 @@ TEST_F(VulkanTraces, InactiveRaysAreUnchanged)
   std::vector<RTCRay> occluded = shadowRays;
   EXPECT_TRUE(trace(uploaded.get(), occluded));
   for (size_t i = 0; i < rays.size(); i++) {
-    if (i < active && isHit(hits[i])) { EXPECT_EQ(occluded[i].tfar, -inf) << i; }
-    else { EXPECT_EQ(std::memcmp(&occluded[i], &shadowRays[i], sizeof(RTCRay)), 0) << i; }
+    if (i < active && isHit(hits[i])) {
+      EXPECT_EQ(occluded[i].tfar, -inf) << i;
+    } else {
+      EXPECT_EQ(std::memcmp(&occluded[i], &shadowRays[i], sizeof(RTCRay)), 0) << i;
+    }
   }
 }
 
 // --- ways to trace -------------------------------------------------------------------------------------
 
-TEST_F(VulkanTraces, RecordedTraceMatchesTraceFromHost)
-{
+TEST_F(VulkanTraces, RecordedTraceMatchesTraceFromHost) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   Random random(223);
@@ -101,22 +99,21 @@ TEST_F(VulkanTraces, RecordedTraceMatchesTraceFromHost)
 
   // both traces in one command buffer, with separate parts of the rays
   RecordedTrace recorded(vulkan->handles);
-  RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit));
-  RayBuffer any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
+  RayBuffer closest(vulkan->handles, rays.data(), rays.size() * sizeof(RTCRayHit));
+  RayBuffer any(vulkan->handles, shadowRays.data(), shadowRays.size() * sizeof(RTCRay));
   const size_t first = 64;
   recorded.record([&](VkCommandBuffer commands) {
     EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address, first));
-    EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address + first*sizeof(RTCRayHit),
+    EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address + first * sizeof(RTCRayHit),
                                          rays.size() - first));
     EXPECT_TRUE(rtcRecordVulkanOccluded(uploaded.get(), commands, any.address, shadowRays.size()));
   });
   recorded.submitAndWait();
-  EXPECT_EQ(std::memcmp(closest.mapped, expected.data(), expected.size()*sizeof(RTCRayHit)), 0);
-  EXPECT_EQ(std::memcmp(any.mapped, occluded.data(), occluded.size()*sizeof(RTCRay)), 0);
+  EXPECT_EQ(std::memcmp(closest.mapped, expected.data(), expected.size() * sizeof(RTCRayHit)), 0);
+  EXPECT_EQ(std::memcmp(any.mapped, occluded.data(), occluded.size() * sizeof(RTCRay)), 0);
 }
 
-TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace)
-{
+TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   Random random(239);
@@ -138,25 +135,24 @@ TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace)
   RecordedTrace recorded(vulkan->handles);
   const size_t bytes = rtcGetVulkanRayOrderBytes(rays.size());
   const std::vector<char> nothing(bytes, 0x55);
-  RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit)),
-    any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
+  RayBuffer closest(vulkan->handles, rays.data(), rays.size() * sizeof(RTCRayHit)),
+      any(vulkan->handles, shadowRays.data(), shadowRays.size() * sizeof(RTCRay));
   RayBuffer orders[2] = {{vulkan->handles, nothing.data(), bytes}, {vulkan->handles, nothing.data(), bytes}};
   recorded.record([&](VkCommandBuffer commands) {
     EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, closest.address, sizeof(RTCRayHit), rays.size(),
                                         orders[0].address));
     EXPECT_TRUE(
-      rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, closest.address, rays.size(), orders[0].address));
+        rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, closest.address, rays.size(), orders[0].address));
     EXPECT_TRUE(
-      rtcRecordVulkanRayOrder(uploaded.get(), commands, any.address, sizeof(RTCRay), rays.size(), orders[1].address));
+        rtcRecordVulkanRayOrder(uploaded.get(), commands, any.address, sizeof(RTCRay), rays.size(), orders[1].address));
     EXPECT_TRUE(rtcRecordVulkanOccludedInOrder(uploaded.get(), commands, any.address, rays.size(), orders[1].address));
   });
   recorded.submitAndWait();
-  EXPECT_EQ(std::memcmp(closest.mapped, expected.data(), expected.size()*sizeof(RTCRayHit)), 0);
-  EXPECT_EQ(std::memcmp(any.mapped, occluded.data(), occluded.size()*sizeof(RTCRay)), 0);
+  EXPECT_EQ(std::memcmp(closest.mapped, expected.data(), expected.size() * sizeof(RTCRayHit)), 0);
+  EXPECT_EQ(std::memcmp(any.mapped, occluded.data(), occluded.size() * sizeof(RTCRay)), 0);
 }
 
-TEST_F(VulkanTraces, SeveralTracesAreInFlight)
-{
+TEST_F(VulkanTraces, SeveralTracesAreInFlight) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene), other = upload(scene, RTC_VULKAN_MEMORY_COPY);
   Random random(227);
@@ -167,7 +163,7 @@ TEST_F(VulkanTraces, SeveralTracesAreInFlight)
     std::vector<RTCRayHit> read = rays.back();
     traces.push_back(rtcStartVulkanIntersect(i % 2 ? uploaded.get() : other.get(), read.data(), read.size()));
     ASSERT_TRUE(traces.back()) << embree.message;
-    std::memset(read.data(), 0xFF, read.size()*sizeof(RTCRayHit)); // the rays were already read
+    std::memset(read.data(), 0xFF, read.size() * sizeof(RTCRayHit)); // the rays were already read
   }
   for (int i : {3, 7, 0, 1, 6, 5, 2, 4}) {
     std::vector<RTCRayHit> traced(rays[size_t(i)].size());
@@ -180,8 +176,7 @@ TEST_F(VulkanTraces, SeveralTracesAreInFlight)
   }
 }
 
-TEST_F(VulkanTraces, TracesCanBeReleasedWithoutWaiting)
-{
+TEST_F(VulkanTraces, TracesCanBeReleasedWithoutWaiting) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   const std::vector<RTCRayHit> rays = raysFromAbove();
@@ -189,8 +184,7 @@ TEST_F(VulkanTraces, TracesCanBeReleasedWithoutWaiting)
   EXPECT_TRUE(rtcFinishVulkanTrace(trace, nullptr, nullptr)) << embree.message;
 }
 
-TEST_F(VulkanTraces, ThreadsTraceOneSceneConcurrently)
-{
+TEST_F(VulkanTraces, ThreadsTraceOneSceneConcurrently) {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
   Random random(229);
@@ -218,5 +212,4 @@ TEST_F(VulkanTraces, ThreadsTraceOneSceneConcurrently)
   expectAsOnTheCPU(scene, rays, traced[0]);
 }
 
-} // namespace
-} // namespace cbvh::test
+}} // namespace cbvh::test

@@ -9,14 +9,12 @@
 
 namespace cbvh {
 
-bool differOnlyByLibrary(const Variant& a, const Variant& b)
-{
+bool differOnlyByLibrary(const Variant& a, const Variant& b) {
   return a.representation.label() == b.representation.label() && a.isa == b.isa;
 }
 
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
-                    const BuildSize& size, size_t available, const std::vector<bool>& compresses)
-{
+                    const BuildSize& size, size_t available, const std::vector<bool>& compresses) {
   Batches plan;
   for (const std::string& isa : isas)
     for (size_t library = 0; library < compresses.size(); library++)
@@ -25,21 +23,17 @@ Batches planBatches(const std::vector<Representation>& representations, const st
   plan.batches.emplace_back();
   size_t used = base;
   for (const Representation& r : representations)
-    for (const std::string& isa : isas)
-    {
-      if (r.kind == RepresentationKind::Grid)
-        continue;
+    for (const std::string& isa : isas) {
+      if (r.kind == RepresentationKind::Grid) continue;
       std::vector<Variant> perLibrary;
       for (size_t library = 0; library < compresses.size(); library++)
         (compresses[library] || !r.isCompressed() ? perLibrary : plan.unsupported).push_back({r, isa, library});
       const size_t bytes = perLibrary.size() * estimatedPeakBytes(r.kind, size);
-      if (base + bytes > available)
-      {
+      if (base + bytes > available) {
         plan.tooLarge.insert(plan.tooLarge.end(), perLibrary.begin(), perLibrary.end());
         continue;
       }
-      if (used + bytes > available)
-      {
+      if (used + bytes > available) {
         plan.batches.emplace_back();
         used = base;
       }
@@ -49,20 +43,17 @@ Batches planBatches(const std::vector<Representation>& representations, const st
   return plan;
 }
 
-size_t baselineBytes(const Batches& batches, const BuildSize& size)
-{
+size_t baselineBytes(const Batches& batches, const BuildSize& size) {
   return batches.baselines.size() * estimatedPeakBytes(RepresentationKind::Grid, size);
 }
 
-size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size)
-{
+size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size) {
   const auto perLibrary = std::count_if(batches.tooLarge.begin(), batches.tooLarge.end(),
-                                      [&](const Variant& v) { return differOnlyByLibrary(v, tooLarge); });
+                                        [&](const Variant& v) { return differOnlyByLibrary(v, tooLarge); });
   return baselineBytes(batches, size) + size_t(perLibrary) * estimatedPeakBytes(tooLarge.representation.kind, size);
 }
 
-std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available)
-{
+std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available) {
   char text[200];
   std::snprintf(text, sizeof(text),
                 "not enough memory: %s on %.1f million quads needs about %.1f GiB together with GRID, but %.1f GiB are "

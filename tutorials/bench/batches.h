@@ -14,8 +14,7 @@
 
 namespace cbvh {
 
-struct Variant
-{
+struct Variant {
   Representation representation;
   std::string isa;
   size_t library = 0;
@@ -24,12 +23,11 @@ struct Variant
 /* True if at most the libraries differ. */
 bool differOnlyByLibrary(const Variant& a, const Variant& b);
 
-struct Batches
-{
+struct Batches {
   std::vector<Variant> baselines;            // GRID, one per ISA and library; always in memory
   std::vector<std::vector<Variant>> batches; // may be one empty batch
   std::vector<Variant> tooLarge;
-  std::vector<Variant> unsupported;          // not supported by their libraries
+  std::vector<Variant> unsupported; // not supported by their libraries
 };
 
 /* Fills batches in order while upper estimates of their memory fit into `available` bytes. Variants that differ only

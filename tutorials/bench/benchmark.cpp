@@ -9,22 +9,18 @@
 namespace cbvh {
 namespace {
 
-Model loadModel(const BenchOptions& options, const BenchScene& bench)
-{
+Model loadModel(const BenchOptions& options, const BenchScene& bench) {
   SceneSettings settings = bench.settings;
   settings.threads = options.buildThreads;
   Model model = loadProgramScene("cbvh_bench", settings);
-  for (Placement& copy : model.copies)
-    copy.origin += options.position;
+  for (Placement& copy : model.copies) copy.origin += options.position;
   return model;
 }
 
 } // namespace
 
-void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done)
-{
-  for (const BenchScene& bench : options.scenes)
-  {
+void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done) {
+  for (const BenchScene& bench : options.scenes) {
     options.libraries.front().use();
     const Model model = loadModel(options, bench);
     if (&bench == &options.scenes.front()) // all scenes have the same motion, or none

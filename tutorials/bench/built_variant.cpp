@@ -17,17 +17,14 @@ constexpr size_t triangle4Bytes = 4 * 44;  // four triangles with their vertices
 constexpr size_t triangle4iBytes = 4 * 20; // four triangles with indices, in compact mode
 
 /* `leafBytes` are the bytes of a full leaf of four triangles. */
-size_t leafBytesOfTriangles(const PatchLayout& layout, size_t leafBytes)
-{
+size_t leafBytesOfTriangles(const PatchLayout& layout, size_t leafBytes) {
   return layout.numVertices() * vertexBytes + layout.numQuads() * 2 * (indexBytes + leafBytes / 4);
 }
 
 /* Each grid stores its own borders. */
-size_t leafBytesOfGrids(const PatchLayout& layout)
-{
+size_t leafBytesOfGrids(const PatchLayout& layout) {
   size_t vertices = 0;
-  for (const Patch& p : layout.patches())
-  {
+  for (const Patch& p : layout.patches()) {
     const size_t grids = (p.resolution + gridQuads - 1) / gridQuads, side = p.resolution + grids;
     vertices += side * side;
   }
@@ -35,18 +32,12 @@ size_t leafBytesOfGrids(const PatchLayout& layout)
 }
 
 /* Including the buffers of triangles. */
-size_t leafBytes(const BuiltScene& scene)
-{
-  switch (scene.representation().kind)
-  {
-  case RepresentationKind::Naive:
-    return leafBytesOfTriangles(scene.layout(), triangle4Bytes);
-  case RepresentationKind::NaiveCompact:
-    return leafBytesOfTriangles(scene.layout(), triangle4iBytes);
-  case RepresentationKind::Grid:
-    return leafBytesOfGrids(scene.layout());
-  default:
-    return scene.report().compression.leafBytes + scene.report().compression.uncompressedBytes;
+size_t leafBytes(const BuiltScene& scene) {
+  switch (scene.representation().kind) {
+  case RepresentationKind::Naive: return leafBytesOfTriangles(scene.layout(), triangle4Bytes);
+  case RepresentationKind::NaiveCompact: return leafBytesOfTriangles(scene.layout(), triangle4iBytes);
+  case RepresentationKind::Grid: return leafBytesOfGrids(scene.layout());
+  default: return scene.report().compression.leafBytes + scene.report().compression.uncompressedBytes;
   }
 }
 
@@ -54,8 +45,7 @@ size_t leafBytes(const BuiltScene& scene)
 
 BuiltVariant::BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
                            Group& group)
-  : scene(nullptr, Deleter{&library})
-{
+  : scene(nullptr, Deleter{&library}) {
   settings.isa = variant.isa;
   library.use();
   scene.reset(new BuiltScene(model, variant.representation, settings));
@@ -69,14 +59,12 @@ BuiltVariant::BuiltVariant(const Model& model, const Variant& variant, BuildSett
   variantResult = &group.results.back();
 }
 
-void BuiltVariant::Deleter::operator()(BuiltScene* scene) const
-{
+void BuiltVariant::Deleter::operator()(BuiltScene* scene) const {
   library->use();
   delete scene;
 }
 
-std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i)
-{
+std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i) {
   for (size_t first = 0; first < batch.size(); first++)
     if (first != i && batch[first].variant().library == 0 &&
         differOnlyByLibrary(batch[first].variant(), batch[i].variant()))

@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-class BuiltVariant
-{
+class BuiltVariant {
 public:
   /* Builds the variant and appends its result to the group, where its address must stay valid. The variant's ISA
    * overrides the settings. The library must outlive the variant. Throws Error. */
@@ -22,8 +21,7 @@ public:
                Group& group);
 
   /* Also makes the variant's library current. */
-  const BuiltScene& use() const
-  {
+  const BuiltScene& use() const {
     scene.get_deleter().library->use();
     return *scene;
   }
@@ -32,8 +30,7 @@ public:
   const Variant& variant() const { return variantResult->variant; }
 
 private:
-  struct Deleter
-  {
+  struct Deleter {
     const Library* library;
     void operator()(BuiltScene* scene) const;
   };

@@ -17,13 +17,10 @@
 
 namespace {
 
-void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
-{
-  if (!options.pictures.empty())
-    cbvh::prepareOutputFolder(options.pictures);
+void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine) {
+  if (!options.pictures.empty()) cbvh::prepareOutputFolder(options.pictures);
   const std::filesystem::path folder = std::filesystem::path(options.json).parent_path();
-  if (!folder.empty())
-    cbvh::prepareOutputFolder(folder.string());
+  if (!folder.empty()) cbvh::prepareOutputFolder(folder.string());
   cbvh::requireWritable({{"--json", options.json}});
   cbvh::writeStandardOutput(cbvh::formatHead(options, machine));
 
@@ -38,12 +35,10 @@ void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
   });
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   const cbvh::Machine machine = cbvh::describeMachine();
   const std::optional<cbvh::BenchOptions> options = cbvh::parseBenchOptions(argc, argv, machine);
-  if (!options)
-    return 0;
+  if (!options) return 0;
   cbvh::installCancelHandler();
   cbvh::forceExitAfterCancel("cbvh_bench");
   measure(*options, machine);
@@ -52,7 +47,6 @@ int run(int argc, char** argv)
 
 } // namespace
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_bench", [=] { return run(argc, argv); });
 }

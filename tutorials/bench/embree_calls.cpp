@@ -37,23 +37,20 @@
 // clang-format on
 
 /* A slot, and the function that jumps to its contents with any arguments. */
-#define CBVH_FUNCTION(name)                     \
-  extern "C" void* cbvh_slot_##name;            \
-  void* cbvh_slot_##name = nullptr;             \
-  asm(".pushsection .text\n"                    \
-      ".balign 16\n"                            \
-      ".globl " #name "\n"                      \
-      ".type " #name ", %function\n"            \
-      #name ": " CBVH_JUMP("cbvh_slot_" #name)   \
-      ".size " #name ", . - " #name "\n"        \
-      ".popsection\n");
+#define CBVH_FUNCTION(name) \
+  extern "C" void* cbvh_slot_##name; \
+  void* cbvh_slot_##name = nullptr; \
+  asm(".pushsection .text\n" \
+      ".balign 16\n" \
+      ".globl " #name "\n" \
+      ".type " #name ", %function\n" #name ": " CBVH_JUMP("cbvh_slot_" #name) ".size " #name ", . - " #name "\n" \
+                                                                              ".popsection\n");
 CBVH_EMBREE_FUNCTIONS(CBVH_FUNCTION)
 
 namespace cbvh {
 namespace {
 
-struct Slot
-{
+struct Slot {
   const char* name;
   void** function;
 };
@@ -65,14 +62,12 @@ std::string currentLibrary;
 
 /* Called instead of a function that the library lacks. */
 template<size_t slot>
-[[noreturn]] void missingFunction()
-{
+[[noreturn]] void missingFunction() {
   throw Error(currentLibrary + " has no " + slots[slot].name + ": expected a library with this function");
 }
 
 template<size_t... i>
-void fill(const EmbreeFunctions& functions, std::index_sequence<i...>)
-{
+void fill(const EmbreeFunctions& functions, std::index_sequence<i...>) {
   const auto valueOf = [&](size_t slot, void (*fallback)()) {
     void* const function = functions.at(slots[slot].name);
     return function ? function : reinterpret_cast<void*>(fallback);
@@ -82,16 +77,13 @@ void fill(const EmbreeFunctions& functions, std::index_sequence<i...>)
 
 } // namespace
 
-EmbreeFunctions embreeFunctionsOf(void* opened)
-{
+EmbreeFunctions embreeFunctionsOf(void* opened) {
   EmbreeFunctions functions;
-  for (const Slot& slot : slots)
-    functions[slot.name] = dlsym(opened, slot.name);
+  for (const Slot& slot : slots) functions[slot.name] = dlsym(opened, slot.name);
   return functions;
 }
 
-void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library)
-{
+void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library) {
   currentLibrary = library;
   fill(functions, std::make_index_sequence<std::size(slots)>());
 }

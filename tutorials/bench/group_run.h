@@ -12,8 +12,7 @@
 
 namespace cbvh {
 
-struct GroupSettings
-{
+struct GroupSettings {
   const BenchOptions& options;
   std::string scene; // label
   const Model& model;

@@ -17,8 +17,7 @@ using nlohmann::json;
 /* Readers reject other versions. */
 constexpr int formatVersion = 2;
 
-json summary(const std::vector<double>& values)
-{
+json summary(const std::vector<double>& values) {
   const double middle = median(values);
   return {{"median", middle},
           {"min", *std::min_element(values.begin(), values.end())},
@@ -26,13 +25,9 @@ json summary(const std::vector<double>& values)
           {"spread", interquartileRange(values) / middle}};
 }
 
-json leaksJson(const Leaks& l)
-{
-  return {{"closest", l.closest}, {"any", l.any}, {"through", l.through}};
-}
+json leaksJson(const Leaks& l) { return {{"closest", l.closest}, {"any", l.any}, {"through", l.through}}; }
 
-json leaksJson(const LeakCounts& c)
-{
+json leaksJson(const LeakCounts& c) {
   json j = {{"rays", c.rays},
             {"aimed_rays", c.aimed},
             {"missed", leaksJson(c.sceneLeaks)},
@@ -44,14 +39,16 @@ json leaksJson(const LeakCounts& c)
   return j;
 }
 
-json sheetsJson(const SheetCrossings& c)
-{
-  return {{"sheets", c.sheets},          {"rays", c.rays},        {"closest", c.closest}, {"any", c.any},
-          {"missed_by_grid", c.gridMisses}, {"examples", c.examples}};
+json sheetsJson(const SheetCrossings& c) {
+  return {{"sheets", c.sheets},
+          {"rays", c.rays},
+          {"closest", c.closest},
+          {"any", c.any},
+          {"missed_by_grid", c.gridMisses},
+          {"examples", c.examples}};
 }
 
-json crossingsJson(const CrossingCheck& c)
-{
+json crossingsJson(const CrossingCheck& c) {
   return {{"view", c.view},
           {"rays", c.counts.rays},
           {"crossings", c.counts.sceneCrossings},
@@ -60,13 +57,11 @@ json crossingsJson(const CrossingCheck& c)
           {"different_parities", c.counts.differentParities}};
 }
 
-json shadowJson(const ShadowErrors& e)
-{
+json shadowJson(const ShadowErrors& e) {
   return {{"false_occlusions", e.falseOcclusions}, {"false_passes", e.falsePasses}};
 }
 
-json shadowsJson(const ShadowCheck& c)
-{
+json shadowsJson(const ShadowCheck& c) {
   return {{"view", c.view},
           {"offset", c.offset},
           {"offset_length", c.settings.length},
@@ -83,30 +78,28 @@ json shadowsJson(const ShadowCheck& c)
           {"control_errors", shadowJson(c.comparison.control)}};
 }
 
-json speedJson(const Speed& s, bool onDevice)
-{
+json speedJson(const Speed& s, bool onDevice) {
   std::vector<double> mrays;
-  for (double seconds : s.seconds)
-    mrays.push_back(s.mrays(seconds));
+  for (double seconds : s.seconds) mrays.push_back(s.mrays(seconds));
   json j = {{"view", s.view},
             {"ray_set", raySetName(s.set)},
             {"query", queryName(s.trace.query)},
             {"mode", traceModeName(s.trace.mode)},
             {"threads", s.trace.threads},
-            {"clock", onDevice ? "the device's" : s.trace.threads > 1 ? "wall" : "processor time of the thread"},
+            {"clock", onDevice              ? "the device's"
+                      : s.trace.threads > 1 ? "wall"
+                                            : "processor time of the thread"},
             {"passes", s.trace.passes},
             {"rays", s.rays},
             {"hits", s.hits},
             {"seconds", s.seconds},
             {"mrays_per_second", summary(mrays)},
             {"relative_to_grid", summary(s.toGrid)}};
-  if (!s.toFirst.empty())
-    j["relative_to_first_library"] = summary(s.toFirst);
+  if (!s.toFirst.empty()) j["relative_to_first_library"] = summary(s.toFirst);
   return j;
 }
 
-json agreementJson(const HitAgreement& a)
-{
+json agreementJson(const HitAgreement& a) {
   return {{"view", a.view},
           {"ray_set", raySetName(a.set)},
           {"query", queryName(a.trace.query)},
@@ -119,8 +112,7 @@ json agreementJson(const HitAgreement& a)
           {"different_uv_or_normal", a.differences.surfaces}};
 }
 
-json libraryJson(const Library& library)
-{
+json libraryJson(const Library& library) {
   return {{"name", library.name()},
           {"path", library.path()},
           {"version", library.version()},
@@ -128,51 +120,39 @@ json libraryJson(const Library& library)
           {"compresses", library.compresses()}};
 }
 
-json memoryJson(const VariantResult& r)
-{
+json memoryJson(const VariantResult& r) {
   json j = {{"live_bytes", r.build.liveBytes},
             {"peak_bytes", r.build.peakBytes},
             {"bytes_per_quad", r.build.bytesPerQuad()},
             {"inner_bytes", r.innerBytes},
             {"leaf_bytes", r.leafBytes},
             {"leaf_bytes_method", r.variant.representation.isCompressed() ? "counted" : "computed from the layout"}};
-  if (r.variant.representation.isCompressed())
-    j["compression"] = compressionJson(r.build.compression);
+  if (r.variant.representation.isCompressed()) j["compression"] = compressionJson(r.build.compression);
   return j;
 }
 
-json viewJson(const ViewResult& v)
-{
+json viewJson(const ViewResult& v) {
   json view = {{"view", v.view},
                {"errors", errorsJson(v.errors)},
                {"errors_away_from_silhouettes", errorsJson(v.errorsAwayFromSilhouettes)},
                {"bounced", errorsJson(v.bounced)}};
-  if (v.toReference)
-    view["errors_to_reference_level"] = errorsJson(*v.toReference);
-  if (v.toTrue)
-    view["errors_to_true_surface"] = errorsJson(*v.toTrue);
-  if (v.bins)
-    view["bins_of_4_bits"] = heightBinsJson(*v.bins);
+  if (v.toReference) view["errors_to_reference_level"] = errorsJson(*v.toReference);
+  if (v.toTrue) view["errors_to_true_surface"] = errorsJson(*v.toTrue);
+  if (v.bins) view["bins_of_4_bits"] = heightBinsJson(*v.bins);
   if (v.binsAwayFromSilhouettes)
     view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAwayFromSilhouettes);
-  if (!v.picture.empty())
-    view["picture"] = v.picture;
-  if (!v.errorMap.empty())
-    view["error_map"] = v.errorMap;
+  if (!v.picture.empty()) view["picture"] = v.picture;
+  if (!v.errorMap.empty()) view["error_map"] = v.errorMap;
   return view;
 }
 
-json resultJson(const VariantResult& r)
-{
+json resultJson(const VariantResult& r) {
   const Representation& what = r.variant.representation;
   const std::string label = what.label();
   json j = {{"representation", label}, {"kind", label.substr(0, label.find('^'))}, {"isa", r.variant.isa}};
-  if (!r.library.empty())
-    j["library"] = r.library;
-  if (what.hasFrames())
-    j["frame_level"] = what.frameLevel == autoFrameLevel ? json("auto") : json(what.frameLevel);
-  if (!r.skipped.empty())
-  {
+  if (!r.library.empty()) j["library"] = r.library;
+  if (what.hasFrames()) j["frame_level"] = what.frameLevel == autoFrameLevel ? json("auto") : json(what.frameLevel);
+  if (!r.skipped.empty()) {
     j["skipped"] = r.skipped;
     return j;
   }
@@ -185,32 +165,20 @@ json resultJson(const VariantResult& r)
                       {"device_bytes", r.build.onDevice->deviceBytes},
                       {"imported_bytes", r.build.onDevice->importedBytes}};
   j["views"] = json::array();
-  for (const ViewResult& v : r.views)
-    j["views"].push_back(viewJson(v));
-  for (const HitAgreement& a : r.agreements)
-    j["hit_agreement"].push_back(agreementJson(a));
+  for (const ViewResult& v : r.views) j["views"].push_back(viewJson(v));
+  for (const HitAgreement& a : r.agreements) j["hit_agreement"].push_back(agreementJson(a));
   j["speed"] = json::array();
-  for (const Speed& s : r.speeds)
-    j["speed"].push_back(speedJson(s, r.build.onDevice.has_value()));
-  if (r.checks.leaks)
-    j["leaks"] = leaksJson(*r.checks.leaks);
-  if (r.checks.sheets)
-    j["sheets"] = sheetsJson(*r.checks.sheets);
-  for (const CrossingCheck& c : r.checks.crossings)
-    j["crossings"].push_back(crossingsJson(c));
-  for (const ShadowCheck& c : r.checks.shadows)
-    j["shadows"].push_back(shadowsJson(c));
+  for (const Speed& s : r.speeds) j["speed"].push_back(speedJson(s, r.build.onDevice.has_value()));
+  if (r.checks.leaks) j["leaks"] = leaksJson(*r.checks.leaks);
+  if (r.checks.sheets) j["sheets"] = sheetsJson(*r.checks.sheets);
+  for (const CrossingCheck& c : r.checks.crossings) j["crossings"].push_back(crossingsJson(c));
+  for (const ShadowCheck& c : r.checks.shadows) j["shadows"].push_back(shadowsJson(c));
   return j;
 }
 
-json groupJson(const Group& g)
-{
-  json group = {{"scene", g.scene},
-                {"level", g.level},
-                {"faces", g.faces},
-                {"quads", g.quads},
-                {"diagonal", g.diagonal},
-                {"quad_width", g.quadWidth}};
+json groupJson(const Group& g) {
+  json group = {{"scene", g.scene}, {"level", g.level},       {"faces", g.faces},
+                {"quads", g.quads}, {"diagonal", g.diagonal}, {"quad_width", g.quadWidth}};
   for (const ViewInfo& v : g.views)
     group["views"].push_back({{"view", v.name},
                               {"camera", v.camera},
@@ -218,13 +186,11 @@ json groupJson(const Group& g)
                               {"coherent_rays", v.rays[Coherent]},
                               {"incoherent_rays", v.rays[Incoherent]}});
   group["results"] = json::array();
-  for (const VariantResult& r : g.results)
-    group["results"].push_back(resultJson(r));
+  for (const VariantResult& r : g.results) group["results"].push_back(resultJson(r));
   return group;
 }
 
-json settingsJson(const BenchOptions& options)
-{
+json settingsJson(const BenchOptions& options) {
   return {{"rays", options.rays},
           {"repeat", options.repeat},
           {"width", options.size.width},
@@ -243,8 +209,7 @@ json settingsJson(const BenchOptions& options)
 }
 
 /* Command, machine, build and settings. */
-json runJson(const BenchOptions& options, const Machine& m)
-{
+json runJson(const BenchOptions& options, const Machine& m) {
   json run = {{"command", options.command},
               {"date", m.date},
               {"end", dateNow()},
@@ -260,30 +225,27 @@ json runJson(const BenchOptions& options, const Machine& m)
               {"system", m.system},
               {"settings", settingsJson(options)}};
   for (const Library& library : options.libraries)
-    if (!library.name().empty())
-      run["libraries"].push_back(libraryJson(library));
+    if (!library.name().empty()) run["libraries"].push_back(libraryJson(library));
   return run;
 }
 
 } // namespace
 
-std::string formatJson(const BenchOptions& options, const Machine& m, const std::vector<Group>& groups,
-                       bool complete)
-{
+std::string formatJson(const BenchOptions& options, const Machine& m, const std::vector<Group>& groups, bool complete) {
   json out;
   out["format"] = "cbvh-bench";
   out["version"] = formatVersion;
   out["complete"] = complete;
   out["run"] = runJson(options, m);
   out["groups"] = json::array();
-  for (const Group& g : groups)
-    out["groups"].push_back(groupJson(g));
+  for (const Group& g : groups) out["groups"].push_back(groupJson(g));
   return textOfJson(out, 1);
 }
 
-std::string formatAbout(const Machine& machine)
-{
-  const json about = {{"commit", machine.commit}, {"isas", usableIsas(machine)}, {"scenes", sceneNames()},
+std::string formatAbout(const Machine& machine) {
+  const json about = {{"commit", machine.commit},
+                      {"isas", usableIsas(machine)},
+                      {"scenes", sceneNames()},
                       {"hardware_threads", machine.threads}};
   return about.dump();
 }

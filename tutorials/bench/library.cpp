@@ -23,19 +23,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* libraryFile = "libembree3.so.3";
 
-std::string fileAt(const std::string& given)
-{
+std::string fileAt(const std::string& given) {
   const fs::path path = fs::absolute(given);
-  if (!fs::is_directory(path))
-    return path.string();
+  if (!fs::is_directory(path)) return path.string();
   for (const char* name : {libraryFile, "libembree3.so"})
-    if (fs::exists(path / name))
-      return (path / name).string();
+    if (fs::exists(path / name)) return (path / name).string();
   throw Error("--library '" + given + "': the folder has no " + libraryFile + ": expected one");
 }
 
-class OutputCapture
-{
+class OutputCapture {
 public:
   OutputCapture() : before(std::cout.rdbuf(captured.rdbuf())) {}
   ~OutputCapture() { std::cout.rdbuf(before); }
@@ -51,74 +47,58 @@ private:
 
 /* Returns instruction sets from a device's verbose output, "SSE2 AVX2  (compile time enabled)", because no API
  * function does. */
-std::vector<std::string> parseTargets(const std::string& output)
-{
+std::vector<std::string> parseTargets(const std::string& output) {
   const size_t end = output.find("(compile time enabled)");
-  if (end == std::string::npos)
-    return {};
+  if (end == std::string::npos) return {};
   const size_t begin = output.rfind('\n', end) + 1;
   std::istringstream line(output.substr(begin, end - begin));
   std::vector<std::string> targets;
-  for (std::string word; line >> word;)
-    targets.push_back(lowerCase(word));
+  for (std::string word; line >> word;) targets.push_back(lowerCase(word));
   return targets;
 }
 
 } // namespace
 
-Library::Library()
-{
+Library::Library() {
   open(libraryFile);
   file = loadedLibrary().path; // where the loader found it
 }
 
-Library::Library(const std::string& name, const std::string& path) : label(name)
-{
+Library::Library(const std::string& name, const std::string& path) : label(name) {
   open(path);
   readProperties();
 }
 
-void Library::open(const std::string& given)
-{
+void Library::open(const std::string& given) {
   file = label.empty() ? given : fileAt(given);
   opened = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!opened)
-    throw Error((label.empty() ? "" : "--library '" + given + "': ") + std::string(dlerror()));
+  if (!opened) throw Error((label.empty() ? "" : "--library '" + given + "': ") + std::string(dlerror()));
   functions = embreeFunctionsOf(opened);
   if (!functions.at("rtcNewDevice"))
     throw Error("--library '" + given + "' is not Embree: expected a library with rtcNewDevice");
 }
 
-void Library::readProperties()
-{
+void Library::readProperties() {
   use();
   const OutputCapture output;
   const EmbreeDevice device("verbose=1,threads=1");
   const ssize_t number = rtcGetDeviceProperty(device.handle(), RTC_DEVICE_PROPERTY_VERSION); // for example 31305
-  release = std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." +
-            std::to_string(number % 100);
+  release =
+      std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." + std::to_string(number % 100);
   if (number / 10000 != RTC_VERSION_MAJOR)
     throw Error(description() + " is Embree " + release + ": expected Embree " + std::to_string(RTC_VERSION_MAJOR));
   targets = parseTargets(output.text());
 }
 
-void Library::use() const
-{
-  useEmbreeFunctions(functions, description());
-}
+void Library::use() const { useEmbreeFunctions(functions, description()); }
 
-std::string Library::description() const
-{
-  return label.empty() ? file : "library " + label + " (" + file + ")";
-}
+std::string Library::description() const { return label.empty() ? file : "library " + label + " (" + file + ")"; }
 
-std::vector<Library> openLibraries(const std::vector<std::string>& paths)
-{
+std::vector<Library> openLibraries(const std::vector<std::string>& paths) {
   if (paths.size() > 26)
     throw Error("--library names " + std::to_string(paths.size()) + " libraries: expected at most 26");
   std::vector<Library> libraries;
-  for (const std::string& path : paths)
-  {
+  for (const std::string& path : paths) {
     Library library(std::string(1, char('A' + libraries.size())), path);
     for (const Library& other : libraries)
       if (library.isSameFile(other))
@@ -129,18 +109,14 @@ std::vector<Library> openLibraries(const std::vector<std::string>& paths)
   return libraries;
 }
 
-std::vector<std::string> commonIsas(const std::vector<Library>& libraries)
-{
+std::vector<std::string> commonIsas(const std::vector<Library>& libraries) {
   std::vector<std::string> common{"sse2", "sse4.2", "avx", "avx2", "avx512"};
-  for (const Library& library : libraries)
-  {
+  for (const Library& library : libraries) {
     const std::vector<std::string>& own = library.isas();
     const auto lacks = [&](const std::string& isa) { return std::find(own.begin(), own.end(), isa) == own.end(); };
-    if (!own.empty())
-      common.erase(std::remove_if(common.begin(), common.end(), lacks), common.end());
+    if (!own.empty()) common.erase(std::remove_if(common.begin(), common.end(), lacks), common.end());
   }
-  if (common.empty())
-    throw Error("the libraries of --library have no common instruction set: expected at least one");
+  if (common.empty()) throw Error("the libraries of --library have no common instruction set: expected at least one");
   return common;
 }
 

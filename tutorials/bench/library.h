@@ -12,8 +12,7 @@
 
 namespace cbvh {
 
-class Library
-{
+class Library {
 public:
   /* The program's own library, without a name. */
   Library();

@@ -9,14 +9,13 @@
 
 namespace cbvh {
 
-struct Machine
-{
+struct Machine {
   std::string cpu;
-  unsigned threads = 0;         // of the hardware
+  unsigned threads = 0; // of the hardware
   size_t memoryBytes = 0;
-  double load = 0;               // runnable threads in the last minute
-  std::string system;            // kernel name, release and processor type
-  std::string commit;            // of the build; ends in "+changes" for a modified working tree
+  double load = 0;    // runnable threads in the last minute
+  std::string system; // kernel name, release and processor type
+  std::string commit; // of the build; ends in "+changes" for a modified working tree
   std::string compiler, flags, buildType;
   std::vector<std::string> isas; // of the library
   std::string date;

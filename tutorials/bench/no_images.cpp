@@ -12,8 +12,7 @@
 namespace cbvh {
 namespace {
 
-[[noreturn]] void rejectImage(const std::string& path)
-{
+[[noreturn]] void rejectImage(const std::string& path) {
   throw Error(path + ": cbvh_bench_bare has no OpenImageIO to read or write images: expected cbvh_bench");
 }
 
@@ -26,11 +25,8 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
 void HeightMap::write(const std::string&, const std::string&) const {}
 std::string HeightMap::recipeOf(const std::string&) { return ""; }
 
-struct HeightTexture::Implementation
-{
-};
-HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels&, TextureWrap, std::string&)
-{
+struct HeightTexture::Implementation {};
+HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels&, TextureWrap, std::string&) {
   rejectImage(paths.front());
 }
 HeightTexture::~HeightTexture() = default;

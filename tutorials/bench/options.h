@@ -17,14 +17,12 @@
 
 namespace cbvh {
 
-struct BenchScene
-{
-  std::string label;      // "cube", "cube:0.45", "herd-40"
+struct BenchScene {
+  std::string label; // "cube", "cube:0.45", "herd-40"
   SceneSettings settings;
 };
 
-struct BenchOptions
-{
+struct BenchOptions {
   std::vector<BenchScene> scenes;
   std::vector<std::string> views;
   std::vector<int> levels;
@@ -36,22 +34,22 @@ struct BenchOptions
   std::vector<RaySet> sets;
   std::vector<Query> queries;
   std::vector<TraceMode> modes;
-  int buildThreads = 0;      // 0 for all
-  int referenceLevel = -1;   // of GRID as a second reference for errors; -1 for none
-  size_t trueHits = 20000;   // per view, to compare with the true surface
-  size_t rays = 200000;      // per set, 0 for one per pixel
-  int repeat = 7;            // 0 to skip speed
+  int buildThreads = 0;    // 0 for all
+  int referenceLevel = -1; // of GRID as a second reference for errors; -1 for none
+  size_t trueHits = 20000; // per view, to compare with the true surface
+  size_t rays = 200000;    // per set, 0 for one per pixel
+  int repeat = 7;          // 0 to skip speed
   ImageSize size;
-  float rayOffset = 1e-4f;   // of bounced rays, in diagonals of the bounding box
-  uint32_t seed = 1;         // of bounced rays, hits for the true surface, and checks
+  float rayOffset = 1e-4f; // of bounced rays, in diagonals of the bounding box
+  uint32_t seed = 1;       // of bounced rays, hits for the true surface, and checks
   Checks checks;
-  Vec3f position;            // of the models
-  std::optional<float> maxError; // in diagonals of the cage's bounding box; 0: lossless cVERT; unset: the default
-  std::string pictures;      // folder, empty for none
-  int samples = 16;          // per pixel of shaded pictures
+  Vec3f position;                 // of the models
+  std::optional<float> maxError;  // in diagonals of the cage's bounding box; 0: lossless cVERT; unset: the default
+  std::string pictures;           // folder, empty for none
+  int samples = 16;               // per pixel of shaded pictures
   std::vector<int> pictureLevels; // empty: all
-  std::string json;          // file, empty for none
-  std::string command;       // program without its folder, and arguments
+  std::string json;               // file, empty for none
+  std::string command;            // program without its folder, and arguments
 };
 
 /* Returns nothing after --help, --version and --about, once their output is printed. Throws Error, one line, before

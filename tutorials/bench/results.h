@@ -20,8 +20,7 @@
 namespace cbvh {
 
 /* Speed for a view, a ray set, a query, a mode and a number of threads. */
-struct Speed
-{
+struct Speed {
   std::string view;
   RaySet set = Coherent;
   TraceSettings trace;
@@ -34,28 +33,25 @@ struct Speed
 };
 
 /* Agreement with the first library, for a view, a ray set, a query and a mode. */
-struct HitAgreement
-{
+struct HitAgreement {
   std::string view;
   RaySet set = Coherent;
   TraceSettings trace;
   HitDifferences differences;
 };
 
-struct ViewResult
-{
+struct ViewResult {
   std::string view;
-  HitErrors errors;                     // primary rays, against GRID at the same level
-  HitErrors errorsAwayFromSilhouettes;  // the same, without rays near silhouettes
-  std::optional<HitErrors> toReference; // primary rays, against GRID at the reference level
-  std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
+  HitErrors errors;                                        // primary rays, against GRID at the same level
+  HitErrors errorsAwayFromSilhouettes;                     // the same, without rays near silhouettes
+  std::optional<HitErrors> toReference;                    // primary rays, against GRID at the reference level
+  std::optional<TrueErrors> toTrue;                        // primary rays, against the true surface
   std::optional<HeightBins> bins, binsAwayFromSilhouettes; // cLEAF-only with a frame level, if toTrue is set
-  HitErrors bounced;                    // incoherent rays, against GRID at the same level
-  std::string picture, errorMap;        // file names
+  HitErrors bounced;                                       // incoherent rays, against GRID at the same level
+  std::string picture, errorMap;                           // file names
 };
 
-struct VariantResult
-{
+struct VariantResult {
   Variant variant;
   std::string library; // name; empty if only the program's own library is measured
   std::string skipped; // reason why it was not measured, or empty
@@ -68,21 +64,19 @@ struct VariantResult
   CheckResult checks;
 };
 
-struct ViewInfo
-{
+struct ViewInfo {
   std::string name, camera; // as for --view
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
 };
 
 /* Its variants are measured together. */
-struct Group
-{
+struct Group {
   std::string scene;
   int level = 0;
   size_t faces = 0, quads = 0;
-  double diagonal = 0;              // of the surface's bounding box
-  double quadWidth = 0;             // mean edge length; 0 without checks
+  double diagonal = 0;  // of the surface's bounding box
+  double quadWidth = 0; // mean edge length; 0 without checks
   std::vector<ViewInfo> views;
   std::deque<VariantResult> results; // in the order of building; addresses stay valid
 };

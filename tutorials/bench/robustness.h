@@ -16,8 +16,7 @@
 
 namespace cbvh {
 
-struct Checks
-{
+struct Checks {
   bool leaks = false;
   bool sheets = false;
   bool crossings = false; // hits that a filter receives if it rejects all
@@ -32,39 +31,34 @@ struct Checks
   void add(const std::string& name);
 };
 
-struct ShadowCheck
-{
+struct ShadowCheck {
   std::string view;
-  std::string offset;        // in words
+  std::string offset; // in words
   RayOffset settings;
-  float length = INFINITY;   // of the rays
+  float length = INFINITY; // of the rays
   ShadowComparison comparison;
 };
 
-struct CrossingCheck
-{
+struct CrossingCheck {
   std::string view;
   CrossingCounts counts;
 };
 
-struct CheckResult
-{
+struct CheckResult {
   std::optional<LeakCounts> leaks;
   std::optional<SheetCrossings> sheets;
   std::vector<CrossingCheck> crossings;
   std::vector<ShadowCheck> shadows;
 };
 
-struct CheckedView
-{
+struct CheckedView {
   const std::string& name;
   const std::vector<Ray>& primary;
   const std::vector<SurfaceHit>& gridHits;
   float footprint;
 };
 
-class Robustness
-{
+class Robustness {
 public:
   /* `frameLevels` belong to the representations. The model must outlive this object. Throws Error. */
   Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,

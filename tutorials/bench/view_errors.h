@@ -8,8 +8,7 @@
 
 namespace cbvh {
 
-struct ErrorSettings
-{
+struct ErrorSettings {
   const Model& model;
   const TrueSurfaces* surfaces; // null to skip errors against the true surface
   int level;

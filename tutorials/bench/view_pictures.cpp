@@ -15,41 +15,35 @@
 namespace cbvh {
 
 ViewPictures::ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level)
-  : options(options), scene(scene), up(model.view.up), level(level)
-{
-}
+  : options(options),
+    scene(scene),
+    up(model.view.up),
+    level(level) {}
 
 void ViewPictures::write(const View& view, const Variant& variant, const BuiltScene& scene,
-                         const std::vector<SurfaceHit>& hits, ViewResult& result) const
-{
-  if (!wanted())
-    return;
+                         const std::vector<SurfaceHit>& hits, ViewResult& result) const {
+  if (!wanted()) return;
   result.picture = stem(view, variant) + ".png";
   writePng(path(result.picture), shaded(view, scene, hits));
-  if (variant.representation.kind == RepresentationKind::Grid)
-    return;
+  if (variant.representation.kind == RepresentationKind::Grid) return;
   result.errorMap = stem(view, variant) + "_error.png";
-  writePng(path(result.errorMap),
-           errorPicture(options.size, pixelErrors(view.gridHits, hits, view.camera.footprint()),
-                        medianQuadSize(options.size, view.gridHits, level)));
+  writePng(path(result.errorMap), errorPicture(options.size, pixelErrors(view.gridHits, hits, view.camera.footprint()),
+                                               medianQuadSize(options.size, view.gridHits, level)));
 }
 
-Image ViewPictures::shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
-{
+Image ViewPictures::shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const {
   return sampledPicture(scene, view.camera, view.camera.size(), up, primaryRays(view.camera), hits, options.samples,
                         Shutter(), HitColors::Neutral, threadCount(options.buildThreads))
-    .image();
+      .image();
 }
 
-bool ViewPictures::wanted() const
-{
+bool ViewPictures::wanted() const {
   const std::vector<int>& levels = options.pictureLevels;
   return !options.pictures.empty() &&
          (levels.empty() || std::find(levels.begin(), levels.end(), level) != levels.end());
 }
 
-std::string ViewPictures::stem(const View& view, const Variant& variant) const
-{
+std::string ViewPictures::stem(const View& view, const Variant& variant) const {
   std::string stem = scene + "_L" + std::to_string(level) + "_" + view.fileName + "_" +
                      variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "") +
                      (options.libraries.size() > 1 ? "_" + options.libraries[variant.library].name() : "");
@@ -57,8 +51,7 @@ std::string ViewPictures::stem(const View& view, const Variant& variant) const
   return stem;
 }
 
-std::string ViewPictures::path(const std::string& name) const
-{
+std::string ViewPictures::path(const std::string& name) const {
   return (std::filesystem::path(options.pictures) / name).string();
 }
 

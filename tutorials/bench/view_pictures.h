@@ -8,8 +8,7 @@
 
 namespace cbvh {
 
-class ViewPictures
-{
+class ViewPictures {
 public:
   /* `scene` is its label. The options must outlive this object. */
   ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level);

@@ -18,14 +18,12 @@
 namespace cbvh {
 
 /* All levels use its camera. */
-struct ReferenceView
-{
+struct ReferenceView {
   Camera camera;
   std::vector<SurfaceHit> gridHits;
 };
 
-struct View
-{
+struct View {
   explicit View(const Camera& camera) : camera(camera), primary(primaryRays(camera)) {}
 
   std::string name, fileName;

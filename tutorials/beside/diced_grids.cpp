@@ -13,21 +13,18 @@
 #include <array>
 #include <cstdlib>
 
-static void check(CbvhError error)
-{
+static void check(CbvhError error) {
   if (error == CBVH_OK) return;
   std::fprintf(stderr, "diced_grids: %s\n", cbvhGetErrorText());
   std::exit(1);
 }
 
 // A dicer: 16 x 8 grids of 65 x 65 vertices on a ball that rotates.
-struct Diced
-{
+struct Diced {
   std::vector<std::array<float, 3>> vertices;
   std::vector<CbvhGrid> grids;
 
-  explicit Diced(float time)
-  {
+  explicit Diced(float time) {
     const unsigned n = 65;
     for (unsigned gy = 0; gy < 8; gy++)
       for (unsigned gx = 0; gx < 16; gx++) {
@@ -35,20 +32,19 @@ struct Diced
         for (unsigned y = 0; y < n; y++)
           for (unsigned x = 0; x < n; x++) {
             // the last column equals the first
-            const unsigned column = (gx*(n - 1) + x)%(16*(n - 1)), row = gy*(n - 1) + y;
-            const float phi = 6.2831853f*float(column)/float(16*(n - 1));
-            const float theta = 3.1415927f*float(row)/float(8*(n - 1));
-            const float r = 1 + 0.05f*std::sin(17*phi)*std::sin(13*theta), turned = phi + 0.3f*time;
-            const float width = row == 0 || row == 8*(n - 1) ? 0 : std::sin(theta);        // poles are points
-            vertices.push_back({r*width*std::cos(turned), r*std::cos(theta), r*width*std::sin(turned)});
+            const unsigned column = (gx * (n - 1) + x) % (16 * (n - 1)), row = gy * (n - 1) + y;
+            const float phi = 6.2831853f * float(column) / float(16 * (n - 1));
+            const float theta = 3.1415927f * float(row) / float(8 * (n - 1));
+            const float r = 1 + 0.05f * std::sin(17 * phi) * std::sin(13 * theta), turned = phi + 0.3f * time;
+            const float width = row == 0 || row == 8 * (n - 1) ? 0 : std::sin(theta); // poles are points
+            vertices.push_back({r * width * std::cos(turned), r * std::cos(theta), r * width * std::sin(turned)});
           }
       }
-    vertices.push_back({0, 0, 0});   // padding that Embree may read
+    vertices.push_back({0, 0, 0}); // padding that Embree may read
   }
 };
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   CbvhContext context;
   CbvhSurface surface;
   CbvhGroup group;
@@ -79,7 +75,7 @@ int main(int argc, char** argv)
   check(cbvhGetGroupStatistics(group, &statistics));
   const double share = writePicture(scene, argc > 1 ? argv[1] : "diced_grids.pgm", 512, 8);
   std::printf("Embree %s: %.2f million moving quads in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING,
-              double(statistics.numMovingQuads)*1e-6, double(statistics.bytes)/(1 << 20), 100*share);
+              double(statistics.numMovingQuads) * 1e-6, double(statistics.bytes) / (1 << 20), 100 * share);
 
   rtcReleaseScene(scene);
   rtcReleaseDevice(device);

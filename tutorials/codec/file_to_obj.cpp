@@ -17,8 +17,7 @@
 
 static bool isFinite(const float* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
-static void writeVertices(const float (*vertices)[3], unsigned count)
-{
+static void writeVertices(const float (*vertices)[3], unsigned count) {
   const float unused[3] = {0, 0, 0}; // OBJ has no NaN; no face uses the vertex
   for (unsigned i = 0; i < count; i++) {
     const float* p = isFinite(vertices[i]) ? vertices[i] : unused;
@@ -27,24 +26,22 @@ static void writeVertices(const float (*vertices)[3], unsigned count)
 }
 
 // Writes a block of quads. first: number of its first vertex in the OBJ. Returns the first number for the next block.
-static unsigned long long writeBlock(const cvert::VertHeader* block, unsigned long long first)
-{
+static unsigned long long writeBlock(const cvert::VertHeader* block, unsigned long long first) {
   const cvert::DecodedBlock decoded(block);
   const unsigned width = decoded.quadsX + 1, height = decoded.quadsY + 1;
-  writeVertices(decoded.vertices, width*height);
+  writeVertices(decoded.vertices, width * height);
   for (unsigned y = 0; y < decoded.quadsY; y++)
     for (unsigned x = 0; x < decoded.quadsX; x++) {
-      const unsigned long long i = first + y*width + x;
-      if (isFinite(decoded.vertex(x, y)) && isFinite(decoded.vertex(x + 1, y)) &&
-          isFinite(decoded.vertex(x, y + 1)) && isFinite(decoded.vertex(x + 1, y + 1))) // else it is a hole
+      const unsigned long long i = first + y * width + x;
+      if (isFinite(decoded.vertex(x, y)) && isFinite(decoded.vertex(x + 1, y)) && isFinite(decoded.vertex(x, y + 1)) &&
+          isFinite(decoded.vertex(x + 1, y + 1))) // else it is a hole
         std::printf("f %llu %llu %llu %llu\n", i, i + 1, i + width + 1, i + width);
     }
-  return first + width*height;
+  return first + width * height;
 }
 
 // The same for a block of triangles.
-static unsigned long long writeMeshBlock(const cvert::MeshHeader* block, unsigned long long first)
-{
+static unsigned long long writeMeshBlock(const cvert::MeshHeader* block, unsigned long long first) {
   const cvert::DecodedMesh decoded(block);
   writeVertices(decoded.vertices, decoded.numVertices);
   for (unsigned i = 0; i < decoded.numTriangles; i++) {
@@ -55,8 +52,7 @@ static unsigned long long writeMeshBlock(const cvert::MeshHeader* block, unsigne
   return first + decoded.numVertices;
 }
 
-int main(int argc, char** argv) try
-{
+int main(int argc, char** argv) try {
   if (argc != 2) throw cvert::Error(cvert::ErrorCode::INVALID_ARGUMENT, "usage: file_to_obj FILE.cbvh > FILE.obj");
   const cvert::File file(argv[1]);
   file.verify();
@@ -73,8 +69,7 @@ int main(int argc, char** argv) try
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
   std::fprintf(stderr, "standard output cannot be written\n");
   return 1;
-}
-catch (const std::exception& error) {
+} catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;
 }

@@ -24,11 +24,9 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-struct Options
-{
+struct Options {
   std::vector<std::string> scenes{"cube", "trex", "frog", "scythe", "knee"};
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
@@ -38,16 +36,14 @@ struct Options
   bool verify = false;
 };
 
-const struct
-{
+const struct {
   RTCCompressedClusterFormat format;
   const char* name;
 } formats[] = {{RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"},
                {RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, "DGF1"}};
 
 /* Clusters stored as floats, by reason: "3 floats, 2 out of range". */
-std::string describeFloatClusters(const RTCCompressedClusterStatistics& statistics)
-{
+std::string describeFloatClusters(const RTCCompressedClusterStatistics& statistics) {
   const char* const names[] = {"", "floats", "moving", "out of range"};
   std::string text;
   for (int reason = 1; reason < 4; reason++)
@@ -57,10 +53,8 @@ std::string describeFloatClusters(const RTCCompressedClusterStatistics& statisti
 }
 
 /* Prints a row per format. Returns the number of decoded vertices, counted once per cluster. */
-size_t measure(const Options& options, Model& model)
-{
-  for (Vec3f& p : model.cage.positions)
-    p = p * options.scale + options.position;
+size_t measure(const Options& options, Model& model) {
+  for (Vec3f& p : model.cage.positions) p = p * options.scale + options.position;
   EmbreeDevice device("");
   const SharedTopology topology(device, model.cage, {});
   DisplacementContext context;
@@ -69,8 +63,7 @@ size_t measure(const Options& options, Model& model)
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_CVERT;
-  if (options.maxError)
-    args.maxError = *options.maxError;
+  if (options.maxError) args.maxError = *options.maxError;
   const size_t before = device.memory().live();
   const GeometryHandle geometry = topology.makeGeometry(Placement(), context, &args);
   const SceneHandle scene(rtcNewScene(device.handle()));
@@ -80,11 +73,10 @@ size_t measure(const Options& options, Model& model)
   const double bytes = double(device.memory().live() - before);
 
   size_t decoded = 0;
-  for (const auto& format : formats)
-  {
+  for (const auto& format : formats) {
     RTCCompressedClusterStatistics statistics;
     const double seconds = secondsOf(
-      [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &statistics); });
+        [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &statistics); });
     device.check("making clusters");
     if (statistics.numTriangles == 0)
       throw Error(model.name + ": no triangle is compressed: expected vertices in the range of floats");
@@ -93,8 +85,7 @@ size_t measure(const Options& options, Model& model)
                 triangles * 1e-6, bytes / triangles, format.name, statistics.numClusters,
                 triangles / double(statistics.numClusters), double(statistics.bytes) / triangles,
                 double(statistics.indexBytes) / triangles, describeFloatClusters(statistics).c_str(), seconds);
-    if (options.verify)
-    {
+    if (options.verify) {
       const test::ClusterJudge judge(geometry.get(), 0, format.format);
       decoded += judge.decodedVertices;
       std::printf(" %zu vertices |", judge.decodedVertices);
@@ -105,33 +96,35 @@ size_t measure(const Options& options, Model& model)
   return decoded;
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   Options options;
   CLI::App app("Stores scenes as cVERT and converts them to clusters of formats for GPUs. Prints bytes per triangle, "
                "bytes of indices per triangle (whole grids need none), and the number of clusters that are stored as "
-               "floats because the format cannot hold them.", "cbvh_clusters");
+               "floats because the format cannot hold them.",
+               "cbvh_clusters");
   app.add_option("--scene", options.scenes, "comma-separated list of " + listOfScenes())
-    ->type_name("LIST")->delimiter(',')->capture_default_str();
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--level", options.level, "tessellation level L: each face has 2^L x 2^L quads")
-    ->type_name("L")->capture_default_str();
+      ->type_name("L")
+      ->capture_default_str();
   app.add_option("--max-error", options.maxError,
                  "largest spacing of the lattice, 0 for lossless [the library's default]")
-    ->type_name("E");
+      ->type_name("E");
   app.add_option_function<std::string>(
-       "--position", [&](const std::string& text) { options.position = parsePosition(text); },
-       "position to which scenes are moved: x,y,z")
-    ->type_name("P");
+         "--position", [&](const std::string& text) { options.position = parsePosition(text); },
+         "position to which scenes are moved: x,y,z")
+      ->type_name("P");
   app.add_option("--scale", options.scale, "factor of the cage before it is moved; the displacement is not scaled")
-    ->type_name("S")->capture_default_str();
+      ->type_name("S")
+      ->capture_default_str();
   app.add_flag("--verify", options.verify,
                "decode all clusters by their specifications, and compare triangles and vertices with hits of rays");
   addMapOptions(app, options.cage);
   app.add_option("--cage", options.cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
-  if (!parseCommandLine(app, argc, argv))
-    return 0;
-  if (options.maxError)
-    requireNotNegative("--max-error", *options.maxError);
+  if (!parseCommandLine(app, argc, argv)) return 0;
+  if (options.maxError) requireNotNegative("--max-error", *options.maxError);
   if (!(options.scale > 0) || !std::isfinite(options.scale))
     throw Error("invalid --scale " + shortNumber(options.scale) + ": expected a finite number above 0");
   BuildSettings build;
@@ -142,8 +135,7 @@ int run(int argc, char** argv)
               "|:--|--:|--:|:--|--:|--:|--:|--:|--:|--:|%s\n",
               options.verify ? " identical |" : "", options.verify ? "--:|" : "");
   size_t decoded = 0;
-  for (const std::string& scene : options.cage.cagePath.empty() ? options.scenes : std::vector<std::string>{""})
-  {
+  for (const std::string& scene : options.cage.cagePath.empty() ? options.scenes : std::vector<std::string>{""}) {
     SceneSettings settings = options.cage;
     settings.scene = scene;
     std::string warnings;
@@ -151,15 +143,12 @@ int run(int argc, char** argv)
     std::fputs(warnings.c_str(), stderr);
     decoded += measure(options, model);
   }
-  if (options.verify)
-    std::printf("\nAll %zu decoded vertices and all triangles are identical to the bit.\n", decoded);
+  if (options.verify) std::printf("\nAll %zu decoded vertices and all triangles are identical to the bit.\n", decoded);
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_clusters", [=] { return cbvh::run(argc, argv); });
 }

@@ -24,11 +24,9 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-struct Options
-{
+struct Options {
   std::vector<size_t> counts{1, 10, 100, 10000, 100000};
   std::vector<std::string> accels{"bvh4.grid.eager", "cbvh.vert"};
   std::string shape = "ball";
@@ -38,15 +36,10 @@ struct Options
   size_t rays = 200000;
 };
 
-double seconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-void displace(const RTCDisplacementFunctionNArguments* args)
-{
-  for (unsigned i = 0; i < args->N; i++)
-  {
+void displace(const RTCDisplacementFunctionNArguments* args) {
+  for (unsigned i = 0; i < args->N; i++) {
     const float x = args->P_x[i], y = args->P_y[i], z = args->P_z[i];
     const float h = 0.05f * std::sin(9.0f * x) * std::sin(9.0f * y) * std::sin(9.0f * z);
     args->P_x[i] += h * args->Ng_x[i];
@@ -55,15 +48,13 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-struct Shape
-{
+struct Shape {
   std::vector<Vec3f> vertices;
   std::vector<unsigned> indices;
 
   size_t numFaces() const { return indices.size() / 4; }
 
-  explicit Shape(const std::string& name)
-  {
+  explicit Shape(const std::string& name) {
     if (name == "sheet") {
       const unsigned n = 64; // faces per side
       for (unsigned y = 0; y <= n; y++)
@@ -81,15 +72,13 @@ struct Shape
 };
 
 /* Geometries in a cube. */
-class Shapes
-{
+class Shapes {
 public:
   Shapes(EmbreeDevice& device, const Options& options, size_t count, float rate)
-    : device(device), side(size_t(std::ceil(std::cbrt(double(count)))))
-  {
+    : device(device),
+      side(size_t(std::ceil(std::cbrt(double(count))))) {
     const Shape shape(options.shape);
-    for (size_t i = 0; i < count; i++)
-    {
+    for (size_t i = 0; i < count; i++) {
       RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION);
       const auto newBuffer = [&](RTCBufferType type, RTCFormat format, size_t bytes, size_t count) {
         return rtcSetNewGeometryBuffer(geometry, type, 0, format, bytes, count);
@@ -113,40 +102,37 @@ public:
     }
   }
 
-  ~Shapes() { for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry); }
+  ~Shapes() {
+    for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
+  }
   Shapes(const Shapes&) = delete;
   Shapes& operator=(const Shapes&) = delete;
 
-  RTCScene newScene() const
-  {
+  RTCScene newScene() const {
     RTCScene scene = rtcNewScene(device.handle());
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
     for (RTCGeometry geometry : geometries) rtcAttachGeometry(scene, geometry);
     return scene;
   }
 
-  void move(size_t i)
-  {
+  void move(size_t i) {
     float* p = (float*)rtcGetGeometryBufferData(geometries[i], RTC_BUFFER_TYPE_VERTEX, 0);
     for (int k = 0; k < 24; k++) p[k] += 0.01f;
     rtcUpdateGeometryBuffer(geometries[i], RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometries[i]);
   }
 
-  void mask(size_t i, unsigned bits)
-  {
+  void mask(size_t i, unsigned bits) {
     rtcSetGeometryMask(geometries[i], bits);
     rtcCommitGeometry(geometries[i]);
   }
 
   /* Rays from outside at random shapes. */
-  std::vector<RTCRayHit> rays(size_t count) const
-  {
+  std::vector<RTCRayHit> rays(size_t count) const {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> uniform(-1, 1);
     std::vector<RTCRayHit> rays(count);
-    for (size_t i = 0; i < count; i++)
-    {
+    for (size_t i = 0; i < count; i++) {
       const auto randomVector = [&] { return Vec3f{uniform(random), uniform(random), uniform(random)}; };
       const Vec3f target = center(random() % geometries.size()) + randomVector();
       const float far = 4.0f * float(side);
@@ -154,8 +140,12 @@ public:
       const Vec3f direction = target - origin;
       RTCRayHit& r = rays[i];
       std::memset(&r, 0, sizeof(r));
-      r.ray.org_x = origin.x; r.ray.org_y = origin.y; r.ray.org_z = origin.z;
-      r.ray.dir_x = direction.x; r.ray.dir_y = direction.y; r.ray.dir_z = direction.z;
+      r.ray.org_x = origin.x;
+      r.ray.org_y = origin.y;
+      r.ray.org_z = origin.z;
+      r.ray.dir_x = direction.x;
+      r.ray.dir_y = direction.y;
+      r.ray.dir_z = direction.z;
       r.ray.tfar = INFINITY;
       r.ray.mask = ~0u;
       r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -173,15 +163,12 @@ private:
   std::vector<RTCGeometry> geometries;
 };
 
-double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repeat)
-{
+double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repeat) {
   std::vector<double> times;
-  for (unsigned i = 0; i < repeat; i++)
-  {
+  for (unsigned i = 0; i < repeat; i++) {
     std::vector<RTCRayHit> copy = rays;
     times.push_back(secondsOf([&] {
-      for (RTCRayHit& ray : copy)
-      {
+      for (RTCRayHit& ray : copy) {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         rtcIntersect1(scene, &context, &ray);
@@ -191,8 +178,7 @@ double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repea
   return double(rays.size()) / median(times) * 1e-6;
 }
 
-void measure(const Options& options, const std::string& accel, size_t count)
-{
+void measure(const Options& options, const std::string& accel, size_t count) {
   const double numFaces = double(Shape(options.shape).numFaces() * count);
   const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / numFaces))));
   EmbreeDevice device("subdiv_accel=" + accel);
@@ -207,21 +193,29 @@ void measure(const Options& options, const std::string& accel, size_t count)
   device.check("committing");
   const size_t bytes = device.memory().live() - none, peak = device.memory().peak() - none;
   std::vector<double> edits, masks;
-  for (unsigned i = 0; i < options.repeat; i++)
-  {
+  for (unsigned i = 0; i < options.repeat; i++) {
     const size_t one = i * 7919 % shapes.count();
-    if (!options.releaseInput) edits.push_back(secondsOf([&] { shapes.move(one); rtcCommitScene(scene); }));
-    masks.push_back(secondsOf([&] { shapes.mask(one, 1u << i % 31); rtcCommitScene(scene); }));
+    if (!options.releaseInput)
+      edits.push_back(secondsOf([&] {
+        shapes.move(one);
+        rtcCommitScene(scene);
+      }));
+    masks.push_back(secondsOf([&] {
+      shapes.mask(one, 1u << i % 31);
+      rtcCommitScene(scene);
+    }));
   }
   const size_t before = device.memory().live();
   std::vector<RTCScene> others;
   double second = 0;
   size_t more[2] = {0, 0};
-  for (int i = 0; i < 9; i++)
-  {
+  for (int i = 0; i < 9; i++) {
     others.push_back(shapes.newScene());
     const double s = secondsOf([&] { rtcCommitScene(others.back()); });
-    if (i == 0) { second = s; more[0] = device.memory().live() - before; }
+    if (i == 0) {
+      second = s;
+      more[0] = device.memory().live() - before;
+    }
   }
   more[1] = device.memory().live() - before;
   device.check("committing again");
@@ -242,27 +236,38 @@ void measure(const Options& options, const std::string& accel, size_t count)
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   Options options;
   CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.",
                "cbvh_commits");
   app.add_option("--geometries", options.counts, "comma-separated list of numbers of geometries")
-    ->type_name("LIST")->delimiter(',')->check(countRange(1))->capture_default_str();
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->check(countRange(1))
+      ->capture_default_str();
   app.add_option("--accel", options.accels, "comma-separated list of values of subdiv_accel")
-    ->type_name("LIST")->delimiter(',')->capture_default_str();
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--shape", options.shape, "shape of a geometry: ball (6 faces), face, or sheet (64 x 64 faces)")
-    ->type_name("SHAPE")->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
+      ->type_name("SHAPE")
+      ->check(CLI::IsMember({"ball", "face", "sheet"}))
+      ->capture_default_str();
   app.add_option("--quads", options.quads, "approximate number of quads of all geometries together")
-    ->type_name("N")->check(countRange(1))->capture_default_str();
+      ->type_name("N")
+      ->check(countRange(1))
+      ->capture_default_str();
   app.add_flag("--release-input", options.releaseInput,
                "release input buffers when a geometry is committed (compressed geometries only)");
   app.add_option("--repeat", options.repeat, "number of edits, masks and runs of rays, whose medians are reported")
-    ->type_name("N")->check(countRange(1))->capture_default_str();
+      ->type_name("N")
+      ->check(countRange(1))
+      ->capture_default_str();
   app.add_option("--rays", options.rays, "number of rays at random geometries")
-    ->type_name("N")->check(countRange())->capture_default_str();
-  if (!parseCommandLine(app, argc, argv))
-    return 0;
+      ->type_name("N")
+      ->check(countRange())
+      ->capture_default_str();
+  if (!parseCommandLine(app, argc, argv)) return 0;
   std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) "
               "| one masked (of the scene) | a second scene, s | MiB of geometries | and scene | peak | second scene "
               "| nine more | Mrays/s |\n"
@@ -272,10 +277,8 @@ int run(int argc, char** argv)
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_commits", [=] { return cbvh::run(argc, argv); });
 }

@@ -20,26 +20,22 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-struct Options
-{
+struct Options {
   ComparedScenes compared;
-  std::vector<std::string> inputs{"grids:4", "grids:8", "grids:16", "grids:64", "quads", "quads:rows",
-                                  "quads:shuffled", "triangles"};
+  std::vector<std::string> inputs{"grids:4", "grids:8",    "grids:16",       "grids:64",
+                                  "quads",   "quads:rows", "quads:shuffled", "triangles"};
   bool compact = false;
 };
 
 /* True if both miss, or both hit at distances that differ by at most `distance`. */
-bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance)
-{
+bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance) {
   return a.hit.geomID == b.hit.geomID &&
          (a.hit.geomID == RTC_INVALID_GEOMETRY_ID || std::abs(a.ray.tfar - b.ray.tfar) <= distance);
 }
 
-void measure(const Options& options, const Model& model, const DicedSurface& surface, const DicedInput& input)
-{
+void measure(const Options& options, const Model& model, const DicedSurface& surface, const DicedInput& input) {
   const bool isIndexed = input.shape != DicedInput::Grids;
   const QuadMesh mesh = isIndexed ? surface.mesh(input.order) : QuadMesh();
   const auto prepare = [&](EmbreeDevice& device) {
@@ -55,8 +51,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   double speedup[3];
   size_t disagreements = 0, rays = 0;
   const FlushDenormals denormals;
-  for (int set = 0; set < 3; set++)
-  {
+  for (int set = 0; set < 3; set++) {
     const TimedQuery query = set == 1 ? TimedQuery::Packets : TimedQuery::Single;
     speedup[set] = medianSpeedup(embree.handle(), ours.handle(), *sets[set], query, options.compared.repeat, hits);
     const float tolerance = 1e-3f * model.cage.bounds().diagonal();
@@ -78,8 +73,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   Options options;
   CLI::App app("Compares compressed diced geometry with Embree's own kernel of its type. Prints bytes per quad (after "
                "the commit, at its peak, both without the application's buffers, and of these buffers), seconds of "
@@ -92,15 +86,15 @@ int run(int argc, char** argv)
                  "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads or triangles in "
                  "the order of OpenSubdiv's refinement, the last two also with :rows (patch by patch, row by row) or "
                  ":shuffled (random order)")
-    ->type_name("LIST")->delimiter(',')->capture_default_str();
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_flag("--compact", options.compact,
                "compare with Embree's compact mode (RTC_SCENE_FLAG_COMPACT): less memory, slower rays");
-  if (!parseCommandLine(app, argc, argv))
-    return 0;
+  if (!parseCommandLine(app, argc, argv)) return 0;
   options.compared.validate();
   std::vector<DicedInput> inputs;
-  for (const std::string& word : options.inputs)
-    inputs.push_back(DicedInput::parse(word));
+  for (const std::string& word : options.inputs) inputs.push_back(DicedInput::parse(word));
   std::printf("| scene | input | million quads | Embree, bytes | cVERT | peak | input | Embree, s | cVERT | ratio | "
               "rays: single | packets | bounces | different, %% |\n"
               "|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
@@ -108,16 +102,13 @@ int run(int argc, char** argv)
   settings.level = options.compared.level;
   options.compared.forEach([&](const Model& model) {
     const DicedSurface surface(model, settings);
-    for (const DicedInput& input : inputs)
-      measure(options, model, surface, input);
+    for (const DicedInput& input : inputs) measure(options, model, surface, input);
   });
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_diced", [=] { return cbvh::run(argc, argv); });
 }

@@ -23,11 +23,9 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-struct Options
-{
+struct Options {
   ComparedScenes compared;
   std::vector<std::string> motions = motionNames();
   int steps = 2;
@@ -37,10 +35,8 @@ struct Options
 
 constexpr int numQueries = 4; // single rays, bounces, any hit of bounces, packets
 
-void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsigned repeat, double speed[numQueries])
-{
-  const struct
-  {
+void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsigned repeat, double speed[numQueries]) {
+  const struct {
     const std::vector<RTCRayHit>& rays;
     TimedQuery query;
   } sets[numQueries] = {{rays.primary, TimedQuery::Single},
@@ -53,11 +49,10 @@ void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsi
     speed[set] = medianSpeedup(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);
 }
 
-void measure(const Options& options, const Model& model)
-{
+void measure(const Options& options, const Model& model) {
   const PrepareGeometry prepare = prepareCage(model, options.compared.level);
   const TimedBuild grid(prepare, options.compared, RTC_COMPRESSION_NONE),
-    ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
+      ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
   const double quads = double(model.layout(options.compared.level).numQuads());
   const PictureRays rays(model, grid.handle(), options.compared.size, true);
   const std::vector<RTCRayHit>& timed = rays.primary;
@@ -70,14 +65,19 @@ void measure(const Options& options, const Model& model)
   double squares = 0;
   std::vector<float> errors; // in pixels
   const float footprint = rays.camera.footprint();
-  for (size_t i = 0; i < timed.size(); i++)
-  {
-    if (isHit(hits[0][i]) != isHit(hits[1][i])) { lost++; continue; }
+  for (size_t i = 0; i < timed.size(); i++) {
+    if (isHit(hits[0][i]) != isHit(hits[1][i])) {
+      lost++;
+      continue;
+    }
     if (!isHit(hits[0][i])) continue;
     both++;
     const double distance = std::abs(double(hits[0][i].ray.tfar) - hits[1][i].ray.tfar);
     const double error = distance / (footprint * hits[0][i].ray.tfar);
-    if (error > 5) { far++; continue; }
+    if (error > 5) {
+      far++;
+      continue;
+    }
     squares += error * error;
     errors.push_back(float(error));
   }
@@ -96,8 +96,7 @@ void measure(const Options& options, const Model& model)
 }
 
 /* A small quad that moves away from a box. */
-Model smallMovingModel(const Box3f& box)
-{
+Model smallMovingModel(const Box3f& box) {
   const float size = 0.02f * box.diagonal();
   const Vec3f corner = box.upper;
   Model model;
@@ -106,14 +105,12 @@ Model smallMovingModel(const Box3f& box)
   model.cage.faceSizes = {4};
   model.cage.faceIndices = {0, 1, 2, 3};
   model.poses.resize(1);
-  for (const Vec3f& p : model.cage.positions)
-    model.poses[0].push_back(p + Vec3f{size, size, size});
+  for (const Vec3f& p : model.cage.positions) model.poses[0].push_back(p + Vec3f{size, size, size});
   return model;
 }
 
 /* The relative speed of rays of a static surface if something else in its scene moves. */
-void measureStatic(const Options& options, Model model)
-{
+void measureStatic(const Options& options, Model model) {
   model.poses.clear();
   const Model other = smallMovingModel(model.cage.bounds());
   EmbreeDevice device(options.compared.deviceConfig());
@@ -125,7 +122,7 @@ void measureStatic(const Options& options, Model model)
   args.compression = RTC_COMPRESSION_CVERT;
   const GeometryHandle fixed = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args);
   const GeometryHandle moving =
-    SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);
+      SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);
   const SceneHandle alone(rtcNewScene(device.handle())), both(rtcNewScene(device.handle()));
   rtcAttachGeometry(alone.get(), fixed.get());
   rtcAttachGeometry(both.get(), fixed.get());
@@ -140,8 +137,7 @@ void measureStatic(const Options& options, Model model)
   std::fflush(stdout);
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   Options options;
   CLI::App app("Compares compressed moving surfaces with GRID's motion blur. Prints bytes per quad, seconds of "
                "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
@@ -149,17 +145,18 @@ int run(int argc, char** argv)
                "cbvh_motion");
   options.compared.addOptions(app);
   app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")
-    ->type_name("LIST")->delimiter(',')->capture_default_str();
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--steps", options.steps, "number of time steps")->type_name("N")->capture_default_str();
   app.add_option("--degrees", options.degrees, "angle from the first time step to the last")
-    ->type_name("ANGLE")->capture_default_str();
+      ->type_name("ANGLE")
+      ->capture_default_str();
   app.add_flag("--static", options.staticSurface,
                "measure instead the relative speed of rays of a static surface if something else in its scene moves");
-  if (!parseCommandLine(app, argc, argv))
-    return 0;
+  if (!parseCommandLine(app, argc, argv)) return 0;
   options.compared.validate();
-  for (const std::string& motion : options.motions)
-    validateMotion({motion, options.steps});
+  for (const std::string& motion : options.motions) validateMotion({motion, options.steps});
   if (options.staticSurface)
     std::printf("| static surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
   else
@@ -167,11 +164,9 @@ int run(int argc, char** argv)
                 "rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
                 "|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   options.compared.forEach([&](Model& model) {
-    if (options.staticSurface)
-      return measureStatic(options, model);
+    if (options.staticSurface) return measureStatic(options, model);
     const std::string name = model.name;
-    for (const std::string& motion : options.motions)
-    {
+    for (const std::string& motion : options.motions) {
       MotionSettings settings;
       settings.name = motion;
       settings.steps = options.steps;
@@ -184,10 +179,8 @@ int run(int argc, char** argv)
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_motion", [=] { return cbvh::run(argc, argv); });
 }

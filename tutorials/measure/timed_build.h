@@ -23,8 +23,7 @@ using CommitGeometry = std::function<GeometryHandle(const RTCCompressionArgument
 using PrepareGeometry = std::function<CommitGeometry(EmbreeDevice&)>;
 
 /* For a geometry whose buffers are set. */
-inline CommitGeometry commitOf(GeometryHandle input)
-{
+inline CommitGeometry commitOf(GeometryHandle input) {
   const std::shared_ptr<RTCGeometryTy> geometry(input.release(), GeometryRelease());
   return [geometry](const RTCCompressionArguments& args) {
     rtcSetGeometryCompression(geometry.get(), &args);
@@ -35,8 +34,7 @@ inline CommitGeometry commitOf(GeometryHandle input)
 }
 
 /* For a displaced cage, at all poses of its model, which must outlive the result. */
-inline PrepareGeometry prepareCage(const Model& model, int level)
-{
+inline PrepareGeometry prepareCage(const Model& model, int level) {
   return [&model, level](EmbreeDevice& device) -> CommitGeometry {
     const auto topology = std::make_shared<SharedTopology>(device, model.cage, model.poses);
     const auto context = std::make_shared<DisplacementContext>();
@@ -46,19 +44,16 @@ inline PrepareGeometry prepareCage(const Model& model, int level)
   };
 }
 
-class TimedBuild
-{
+class TimedBuild {
 public:
   TimedBuild(const PrepareGeometry& prepare, const ComparedScenes& compared, RTCCompression compression,
              float maxError = -1, RTCSceneFlags flags = RTC_SCENE_FLAG_NONE)
-    : device(compared.deviceConfig())
-  {
+    : device(compared.deviceConfig()) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;
     args.maxError = maxError;
-    for (unsigned i = 0; i < compared.repeat; i++)
-    {
+    for (unsigned i = 0; i < compared.repeat; i++) {
       scene.reset();
       geometry.reset();
       commit = nullptr;

@@ -17,12 +17,10 @@
 #include <chrono>
 #include <cstdio>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
 /* Views are fitted to GRID; a coarse one is sufficient. */
-Camera findCamera(const PathTracerOptions& options, const Model& model)
-{
+Camera findCamera(const PathTracerOptions& options, const Model& model) {
   constexpr int coarse = 3;
   BuildSettings settings = options.build;
   settings.level = std::min(settings.level, coarse);
@@ -30,41 +28,33 @@ Camera findCamera(const PathTracerOptions& options, const Model& model)
   return chooseCamera(options.view, model, grid, options.size, threadCount(options.build.threads));
 }
 
-BuildSettings settingsFor(const PathTracerOptions& options, const Model& model, const Camera& camera)
-{
+BuildSettings settingsFor(const PathTracerOptions& options, const Model& model, const Camera& camera) {
   std::optional<ViewDicing> dicing;
-  if (options.autoLevel)
-    dicing = ViewDicing{options.quadSize, highestRate({options.representation})};
+  if (options.autoLevel) dicing = ViewDicing{options.quadSize, highestRate({options.representation})};
   return settingsForView(options.build, model, camera, dicing, options.maxPixelError);
 }
 
 std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, const BuiltScene& scene,
-                                           const PathView& view)
-{
-  if (options.onCpu())
-    return makeCpuPathTracer(scene.handle(), view, threadCount(options.build.threads));
+                                           const PathView& view) {
+  if (options.onCpu()) return makeCpuPathTracer(scene.handle(), view, threadCount(options.build.threads));
   Phase phase("upload of scene and shader to the device");
   const VulkanDeviceName name(options.device);
   return makeVulkanPathTracer(scene.handle(), view, name.selector, name.byRayQuery);
 }
 
-double secondsNow()
-{
+double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 /* Drivers may compile the shader with the first sample. */
-void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
-{
+void traceSamples(PathTracer& tracer, const PathTracerOptions& options) {
   Phase phase("picture");
   const double start = secondsNow();
   double first = 0;
-  while (tracer.samples() < options.samples)
-  {
+  while (tracer.samples() < options.samples) {
     throwIfCanceled();
     tracer.addSample();
-    if (tracer.samples() == 1)
-      first = secondsNow() - start;
+    if (tracer.samples() == 1) first = secondsNow() - start;
     phase.update(double(tracer.samples()) / double(options.samples));
   }
   const double others = secondsNow() - start - first;
@@ -76,13 +66,10 @@ void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
   std::printf("\n");
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   const std::optional<PathTracerOptions> options = parsePathTracerOptions(argc, argv);
-  if (!options)
-    return 0;
-  if (options->window)
-    requireWindows();
+  if (!options) return 0;
+  if (options->window) requireWindows();
   installCancelHandler();
   const Model model = loadProgramScene("cbvh_pathtracer", options->scene);
   printWarnings("cbvh_pathtracer", motionWarnings(model, {options->representation}));
@@ -90,20 +77,16 @@ int run(int argc, char** argv)
   const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
   printWarnings("cbvh_pathtracer", seamWarnings(model, scene.report().seams));
   const std::unique_ptr<PathTracer> tracer =
-    makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces, options->shutter));
-  if (options->window)
-    showWindow(*tracer, options->size, options->samples);
-  else
-    traceSamples(*tracer, *options);
+      makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces, options->shutter));
+  if (options->window) showWindow(*tracer, options->size, options->samples);
+  else traceSamples(*tracer, *options);
   if (!options->output.empty() && tracer->samples() > 0)
     writePicture(options->output, options->size, tracer->picture());
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_pathtracer", [=] { return cbvh::run(argc, argv); });
 }

@@ -11,8 +11,7 @@ namespace cbvh {
 namespace path {
 namespace {
 
-Ray rayOf(vec3 origin, float tnear, vec3 direction, float time)
-{
+Ray rayOf(vec3 origin, float tnear, vec3 direction, float time) {
   Ray ray;
   ray.origin = origin;
   ray.tnear = tnear;
@@ -23,21 +22,18 @@ Ray rayOf(vec3 origin, float tnear, vec3 direction, float time)
 
 } // namespace
 
-ClosestHit closestHit(TracedScene scene, vec3 origin, float tnear, vec3 direction, float time)
-{
+ClosestHit closestHit(TracedScene scene, vec3 origin, float tnear, vec3 direction, float time) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit ray;
   load(rayOf(origin, tnear, direction, time), ray.ray);
   ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene, &context, &ray);
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-    return {false, INFINITY, {}};
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {false, INFINITY, {}};
   return {true, ray.ray.tfar, {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z}};
 }
 
-bool isOccluded(TracedScene scene, vec3 origin, float tnear, vec3 direction, float time)
-{
+bool isOccluded(TracedScene scene, vec3 origin, float tnear, vec3 direction, float time) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay ray;
@@ -52,22 +48,20 @@ namespace {
 
 constexpr size_t chunk = 1024; // pixels
 
-class CpuPathTracer : public PathTracer
-{
+class CpuPathTracer : public PathTracer {
 public:
   CpuPathTracer(RTCScene scene, const PathView& view, unsigned threads)
-    : scene(scene), view(view), threads(threads), light(size_t(view.width) * view.height)
-  {
-  }
+    : scene(scene),
+      view(view),
+      threads(threads),
+      light(size_t(view.width) * view.height) {}
 
-  std::string deviceName() const override
-  {
+  std::string deviceName() const override {
     return std::to_string(threads) + (threads == 1 ? " thread" : " threads") + " of the CPU";
   }
 
 private:
-  void addSample(uint32_t sampleIndex) override
-  {
+  void addSample(uint32_t sampleIndex) override {
     parallelFor(light.size(), chunk, threads, [&](size_t begin, size_t end) {
       const FlushDenormals denormals;
       for (size_t i = begin; i < end; i++)
@@ -85,8 +79,7 @@ private:
 
 } // namespace
 
-std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& view, unsigned threads)
-{
+std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& view, unsigned threads) {
   return std::make_unique<CpuPathTracer>(scene, view, threads);
 }
 

@@ -19,7 +19,7 @@
 #define uint32_t uint
 #define TracedScene uvec2 // address for cbvhIntersect
 
-vec3 vector (float x, float y, float z) { return vec3(x,y,z); }
+vec3 vector(float x, float y, float z) { return vec3(x, y, z); }
 
 #else
 
@@ -29,8 +29,12 @@ vec3 vector (float x, float y, float z) { return vec3(x,y,z); }
 #include <cstddef>
 #include <cstdint>
 
-#define PATH_BEGIN namespace cbvh { namespace path {
-#define PATH_END }}
+#define PATH_BEGIN \
+  namespace cbvh { \
+  namespace path {
+#define PATH_END \
+  } \
+  }
 #define PATH_FUNCTION inline
 #define PATH_CONSTANT static constexpr
 
@@ -42,9 +46,9 @@ using std::abs;
 using std::max;
 using std::sqrt;
 
-inline vec3 vector (float x, float y, float z) { return {x,y,z}; }
+inline vec3 vector(float x, float y, float z) { return {x, y, z}; }
 
-}}
+}} // namespace cbvh::path
 
 #endif
 

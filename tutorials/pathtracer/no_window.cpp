@@ -6,14 +6,10 @@
 
 namespace cbvh {
 
-void requireWindows()
-{
+void requireWindows() {
   throw Error("--window: this build has no windows, which need GLFW and OpenGL: expected --output");
 }
 
-void showWindow(PathTracer&, ImageSize, unsigned)
-{
-  requireWindows();
-}
+void showWindow(PathTracer&, ImageSize, unsigned) { requireWindows(); }
 
 } // namespace cbvh

@@ -18,8 +18,7 @@ namespace cbvh {
 namespace {
 
 /* The first GPU, otherwise the CPU. Skips Mesa's llvmpipe, which runs on the CPU. */
-std::string chooseDevice()
-{
+std::string chooseDevice() {
   RTCVulkanDeviceInfo infos[16];
   const unsigned count = std::min(rtcGetVulkanDevices(nullptr, infos, 16), 16u);
   for (unsigned i = 0; i < count; i++)
@@ -30,8 +29,7 @@ std::string chooseDevice()
 
 } // namespace
 
-std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
-{
+std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv) {
   PathTracerOptions o;
   std::vector<std::string> files;
   std::string representation = optionNameOf(RepresentationKind::CVert);
@@ -46,26 +44,31 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representation,
                  listOfRepresentations(", ", " or ") + "; a frame level may follow after ^ or :")
-    ->type_name("NAME")->capture_default_str();
+      ->type_name("NAME")
+      ->capture_default_str();
   LevelOptions levels;
   addViewLevelOptions(app, levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--samples", o.samples, "paths per pixel")
-    ->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
+      ->type_name("N")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
   app.add_option("--bounces", o.bounces, "number of hits of a path after the first")
-    ->type_name("N")->check(CLI::Range(0, 64))->capture_default_str();
+      ->type_name("N")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
   addShutterOption(app, shutter);
   addDeviceOption(app, device, "auto for a GPU if there is one, else cpu; ");
   app.add_flag("--window", o.window, "show the picture during rendering");
   app.add_option("--output", o.output,
                  "file for the picture: linear as .exr, sRGB as .png [cbvh_pathtracer.png, or none with --window]")
-    ->type_name("FILE");
+      ->type_name("FILE");
   app.add_option("--threads", o.build.threads, "threads for building and for --device cpu, 0 for all")
-    ->type_name("N")->capture_default_str();
+      ->type_name("N")
+      ->capture_default_str();
   addIsaOption(app, o.build.isa);
-  if (!parseCommandLine(app, argc, argv))
-    return std::nullopt;
+  if (!parseCommandLine(app, argc, argv)) return std::nullopt;
 
   applyFileArguments(files, o.scene);
   validateScene(o.scene);
@@ -87,12 +90,9 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
                 ", which has one level for all edges: expected " + levelRange());
   o.quadSize = levels.quadSize;
   o.maxPixelError = levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
-  if (o.view != "full" && o.view != "close")
-    parseView(o.view, {0, 1, 0}, o.size);
-  if (o.output.empty() && !o.window)
-    o.output = "cbvh_pathtracer.png";
-  if (!o.output.empty())
-    validatePicturePath(o.output);
+  if (o.view != "full" && o.view != "close") parseView(o.view, {0, 1, 0}, o.size);
+  if (o.output.empty() && !o.window) o.output = "cbvh_pathtracer.png";
+  if (!o.output.empty()) validatePicturePath(o.output);
   validateOutputs(o.scene, {{"--output", o.output}});
   return o;
 }

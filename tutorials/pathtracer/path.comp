@@ -25,30 +25,26 @@ layout(push_constant, scalar) uniform Arguments { PathArguments arguments; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Sums { vec3 at[]; };
 
-CbvhRay rayOf (vec3 origin, float tnear, vec3 direction, float time)
-{
-  return CbvhRay(origin, tnear, direction, 1.0/0.0, 0xFFFFFFFFu, time);
+CbvhRay rayOf(vec3 origin, float tnear, vec3 direction, float time) {
+  return CbvhRay(origin, tnear, direction, 1.0 / 0.0, 0xFFFFFFFFu, time);
 }
 
-ClosestHit closestHit (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
-{
+ClosestHit closestHit(uvec2 scene, vec3 origin, float tnear, vec3 direction, float time) {
   CbvhHit hit;
   bool exists = INTERSECT(scene, rayOf(origin, tnear, direction, time), hit);
   return ClosestHit(exists, hit.t, hit.Ng);
 }
 
-bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
-{
+bool isOccluded(uvec2 scene, vec3 origin, float tnear, vec3 direction, float time) {
   return OCCLUDED(scene, rayOf(origin, tnear, direction, time));
 }
 
-void main ()
-{
+void main() {
   uint x = gl_GlobalInvocationID.x, y = arguments.firstRow + gl_GlobalInvocationID.y;
   PathView view = arguments.view;
   if (x >= view.width || y >= view.height) return;
   vec3 light = lightOfPath(arguments.scene, view, x, y, arguments.sampleIndex);
   Sums sums = Sums(arguments.sums);
-  uint pixel = y*view.width + x;
+  uint pixel = y * view.width + x;
   sums.at[pixel] = arguments.sampleIndex == 0u ? light : sums.at[pixel] + light;
 }

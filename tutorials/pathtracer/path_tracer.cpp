@@ -5,8 +5,7 @@
 
 namespace cbvh {
 
-PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter)
-{
+PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter) {
   const float width = float(camera.size().width), height = float(camera.size().height);
   const Vec3f middle = camera.direction(0.5f * (width - 1.0f), 0.5f * (height - 1.0f));
   /* In the plane at a distance of 1. */
@@ -30,11 +29,9 @@ PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Sh
   return view;
 }
 
-std::vector<Vec3f> PathTracer::picture() const
-{
+std::vector<Vec3f> PathTracer::picture() const {
   std::vector<Vec3f> pixels = sums();
-  for (Vec3f& pixel : pixels)
-    pixel = pixel * (1.0f / float(count));
+  for (Vec3f& pixel : pixels) pixel = pixel * (1.0f / float(count));
   return pixels;
 }
 

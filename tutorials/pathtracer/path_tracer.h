@@ -20,8 +20,7 @@ using path::PathView;
 /* `bounces` is the number of hits after the first. */
 PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter);
 
-class PathTracer
-{
+class PathTracer {
 public:
   virtual ~PathTracer() = default;
 

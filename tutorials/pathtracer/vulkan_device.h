@@ -19,8 +19,7 @@ namespace cbvh {
 /* Throws Error with `operation` if the result is an error. */
 void checkVulkan(VkResult result, const std::string& operation);
 
-class VulkanDevice
-{
+class VulkanDevice {
 public:
   /* `selector` is for rtcNewVulkanDevice. Only one may exist, because volk supports one. Throws Error. */
   explicit VulkanDevice(const std::string& selector);
@@ -45,11 +44,9 @@ private:
   VkCommandPool pool = VK_NULL_HANDLE;
 };
 
-class VulkanBuffer
-{
+class VulkanBuffer {
 public:
-  enum Kind
-  {
+  enum Kind {
     DeviceLocal, // has an address for shaders
     HostReadable // also coherent
   };

@@ -19,25 +19,23 @@ using path::PathArguments;
 /* SPIR-V of path.comp. Variants without 64-bit floats cannot trace cVERT. */
 const uint32_t code[] =
 #include "path.inc"
-;
+    ;
 const uint32_t codeFloat32[] =
 #include "path_float32.inc"
-;
+    ;
 const uint32_t codeByQuery[] =
 #include "path_query.inc"
-;
+    ;
 const uint32_t codeByQueryFloat32[] =
 #include "path_query_float32.inc"
-;
+    ;
 
-struct Code
-{
+struct Code {
   const uint32_t* words;
   size_t bytes;
 };
 
-Code codeFor(bool byRayQuery, bool hasFloat64)
-{
+Code codeFor(bool byRayQuery, bool hasFloat64) {
   if (byRayQuery)
     return hasFloat64 ? Code{codeByQuery, sizeof(codeByQuery)} : Code{codeByQueryFloat32, sizeof(codeByQueryFloat32)};
   return hasFloat64 ? Code{code, sizeof(code)} : Code{codeFloat32, sizeof(codeFloat32)};
@@ -48,11 +46,9 @@ constexpr uint32_t groupSize = 8; // as in path.comp
 /* Paths per submission, approximately: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
 constexpr uint32_t pathsPerSubmission = 1u << 18;
 
-class UploadedScene
-{
+class UploadedScene {
 public:
-  UploadedScene(VulkanDevice& device, RTCScene scene, bool byRayQuery) : handle(create(device, scene, byRayQuery))
-  {
+  UploadedScene(VulkanDevice& device, RTCScene scene, bool byRayQuery) : handle(create(device, scene, byRayQuery)) {
     device.check("uploading the scene to the Vulkan device");
   }
   ~UploadedScene() { rtcReleaseVulkanScene(handle); }
@@ -62,25 +58,19 @@ public:
   const RTCVulkanScene handle;
 
 private:
-  static RTCVulkanScene create(VulkanDevice& device, RTCScene scene, bool byRayQuery)
-  {
+  static RTCVulkanScene create(VulkanDevice& device, RTCScene scene, bool byRayQuery) {
     RTCVulkanSceneArguments args = {};
     args.traversal = byRayQuery ? RTC_VULKAN_TRAVERSAL_RAY_QUERY : RTC_VULKAN_TRAVERSAL_COMPUTE;
     return rtcNewVulkanScene(device.handle(), scene, &args);
   }
 };
 
-class PathPipeline
-{
+class PathPipeline {
 public:
-  PathPipeline(const VulkanDevice& device, RTCVulkanScene scene, bool byRayQuery) : device(device.vk.device)
-  {
-    try
-    {
+  PathPipeline(const VulkanDevice& device, RTCVulkanScene scene, bool byRayQuery) : device(device.vk.device) {
+    try {
       create(codeFor(byRayQuery, device.vk.hasFloat64), scene);
-    }
-    catch (...)
-    {
+    } catch (...) {
       destroy();
       throw;
     }
@@ -90,16 +80,14 @@ public:
   PathPipeline& operator=(const PathPipeline&) = delete;
 
   /* Starts at the first row of the arguments. */
-  void record(VkCommandBuffer commands, const PathArguments& arguments, uint32_t rows) const
-  {
+  void record(VkCommandBuffer commands, const PathArguments& arguments, uint32_t rows) const {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
     vkCmdDispatch(commands, (arguments.view.width + groupSize - 1) / groupSize, (rows + groupSize - 1) / groupSize, 1);
   }
 
 private:
-  void create(const Code& code, RTCVulkanScene scene)
-  {
+  void create(const Code& code, RTCVulkanScene scene) {
     const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(PathArguments)};
     VkPipelineLayoutCreateInfo layoutInfo = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layoutInfo.pushConstantRangeCount = 1;
@@ -126,8 +114,7 @@ private:
     checkVulkan(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "compiling the shader");
   }
 
-  void destroy()
-  {
+  void destroy() {
     vkDestroyPipeline(device, pipeline, nullptr);
     vkDestroyShaderModule(device, module, nullptr);
     vkDestroyPipelineLayout(device, layout, nullptr);
@@ -140,37 +127,34 @@ private:
 };
 
 void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
-             VkAccessFlags used)
-{
+             VkAccessFlags used) {
   VkMemoryBarrier info = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   info.srcAccessMask = written;
   info.dstAccessMask = used;
   vkCmdPipelineBarrier(commands, from, to, 0, 1, &info, 0, nullptr, 0, nullptr);
 }
 
-class VulkanPathTracer : public PathTracer
-{
+class VulkanPathTracer : public PathTracer {
 public:
   VulkanPathTracer(RTCScene from, const PathView& view, const std::string& selector, bool byRayQuery)
-    : device(selector), scene(device, from, byRayQuery), pipeline(device, scene.handle, byRayQuery), view(view),
+    : device(selector),
+      scene(device, from, byRayQuery),
+      pipeline(device, scene.handle, byRayQuery),
+      view(view),
       light(device, sizeof(Vec3f) * view.width * view.height, VulkanBuffer::DeviceLocal),
-      readable(device, light.bytes, VulkanBuffer::HostReadable)
-  {
-  }
+      readable(device, light.bytes, VulkanBuffer::HostReadable) {}
 
   std::string deviceName() const override { return device.name(); }
 
 private:
-  void addSample(uint32_t sampleIndex) override
-  {
+  void addSample(uint32_t sampleIndex) override {
     PathArguments arguments;
     arguments.scene = rtcGetVulkanSceneAddress(scene.handle);
     arguments.sums = light.address;
     arguments.view = view;
     arguments.sampleIndex = sampleIndex;
     const uint32_t rows = std::max(pathsPerSubmission / view.width / groupSize, 1u) * groupSize; // whole groups
-    for (arguments.firstRow = 0; arguments.firstRow < view.height; arguments.firstRow += rows)
-    {
+    for (arguments.firstRow = 0; arguments.firstRow < view.height; arguments.firstRow += rows) {
       throwIfCanceled();
       device.run([&](VkCommandBuffer commands) {
         constexpr VkPipelineStageFlags compute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
@@ -182,8 +166,7 @@ private:
     }
   }
 
-  std::vector<Vec3f> sums() const override
-  {
+  std::vector<Vec3f> sums() const override {
     device.run([&](VkCommandBuffer commands) {
       barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
               VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
@@ -207,8 +190,7 @@ private:
 } // namespace
 
 std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& selector,
-                                                 bool byRayQuery)
-{
+                                                 bool byRayQuery) {
   return std::make_unique<VulkanPathTracer>(scene, view, selector, byRayQuery);
 }
 

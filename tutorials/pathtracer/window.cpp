@@ -13,16 +13,13 @@ namespace {
 
 std::string glfwMessage;
 
-class Window
-{
+class Window {
 public:
-  explicit Window(ImageSize size)
-  {
+  explicit Window(ImageSize size) {
     requireWindows();
     glfwWindowHint(GLFW_RESIZABLE, GLFW_FALSE);
     window = glfwCreateWindow(size.width, size.height, "cbvh_pathtracer", nullptr, nullptr);
-    if (!window)
-    {
+    if (!window) {
       glfwTerminate();
       throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --output without --window");
     }
@@ -36,8 +33,7 @@ public:
   bool isOpen() const { return !glfwWindowShouldClose(window); }
   void setTitle(const std::string& title) { glfwSetWindowTitle(window, title.c_str()); }
 
-  void draw(const Image& image)
-  {
+  void draw(const Image& image) {
     int width, height; // larger than the image if the screen is scaled
     glfwGetFramebufferSize(window, &width, &height);
     glViewport(0, 0, width, height);
@@ -49,8 +45,7 @@ public:
   }
 
 private:
-  static void onKey(GLFWwindow* window, int key, int, int action, int)
-  {
+  static void onKey(GLFWwindow* window, int key, int, int action, int) {
     if (action == GLFW_PRESS && (key == GLFW_KEY_Q || key == GLFW_KEY_ESCAPE))
       glfwSetWindowShouldClose(window, GLFW_TRUE);
   }
@@ -60,31 +55,25 @@ private:
 
 } // namespace
 
-void requireWindows()
-{
+void requireWindows() {
   glfwSetErrorCallback([](int, const char* text) { glfwMessage = text; });
   if (!glfwInit()) // may be repeated
     throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --output without --window");
 }
 
-void showWindow(PathTracer& tracer, ImageSize size, unsigned samples)
-{
+void showWindow(PathTracer& tracer, ImageSize size, unsigned samples) {
   constexpr double pause = 0.1; // seconds between updates after the last sample
   Window window(size);
   Image image(size);
-  while (window.isOpen())
-  {
+  while (window.isOpen()) {
     throwIfCanceled();
-    if (tracer.samples() < samples)
-    {
+    if (tracer.samples() < samples) {
       tracer.addSample();
       image = toImage(size, tracer.picture());
       window.setTitle("cbvh_pathtracer: " + std::to_string(tracer.samples()) + " of " + std::to_string(samples) +
                       " samples, Q quits");
       glfwPollEvents();
-    }
-    else
-      glfwWaitEventsTimeout(pause);
+    } else glfwWaitEventsTimeout(pause);
     window.draw(image);
   }
 }

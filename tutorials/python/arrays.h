@@ -62,8 +62,7 @@ py::str stringOf(const std::string& text);
 
 /* Returns a read-only array of data that belongs to `owner`. Keeps `owner` alive. */
 template<typename T>
-py::array view(const T* data, const Shape& shape, const Shape& strides, const py::handle& owner)
-{
+py::array view(const T* data, const Shape& shape, const Shape& strides, const py::handle& owner) {
   py::array array(py::dtype::of<T>(), shape, strides, data, owner);
   array.attr("flags").attr("writeable") = false;
   return array;
@@ -71,8 +70,7 @@ py::array view(const T* data, const Shape& shape, const Shape& strides, const py
 
 /* For vectors whose elements consist of T only: shape (n,) or (n, width). */
 template<typename T, typename Element>
-py::array view(const std::vector<Element>& elements, const py::handle& owner)
-{
+py::array view(const std::vector<Element>& elements, const py::handle& owner) {
   static_assert(sizeof(Element) % sizeof(T) == 0);
   const py::ssize_t n = py::ssize_t(elements.size()), width = sizeof(Element) / sizeof(T);
   const T* const data = reinterpret_cast<const T*>(elements.data());
@@ -82,12 +80,10 @@ py::array view(const std::vector<Element>& elements, const py::handle& owner)
 
 /* Element i is function(i). */
 template<typename T, typename Function>
-py::array_t<T> arrayOf(const Shape& shape, const Function& function)
-{
+py::array_t<T> arrayOf(const Shape& shape, const Function& function) {
   py::array_t<T> array(shape);
   T* const data = array.mutable_data();
-  for (py::ssize_t i = 0; i < array.size(); i++)
-    data[i] = function(size_t(i));
+  for (py::ssize_t i = 0; i < array.size(); i++) data[i] = function(size_t(i));
   return array;
 }
 

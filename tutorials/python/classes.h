@@ -10,8 +10,8 @@ namespace cbvh::python {
 namespace py = pybind11;
 
 void defineCage(py::module_& module);
-void defineModel(py::module_& module);   // after Cage
-void defineCamera(py::module_& module);  // after Hits
-void defineScene(py::module_& module);   // after Model, Camera and Hits
+void defineModel(py::module_& module);  // after Cage
+void defineCamera(py::module_& module); // after Hits
+void defineScene(py::module_& module);  // after Model, Camera and Hits
 
 } // namespace cbvh::python

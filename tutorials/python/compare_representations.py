@@ -82,8 +82,10 @@ for level in LEVELS:
 
 print(f"{'':10} {'level':>5} {'bytes/quad':>10} {'coherent':>9} {'incoherent':>10} {'median error':>12}")
 for row in rows:
-    print(f"{row['representation']:10} {row['level']:5} {row['bytes']:10.2f} {row['coherent']:9.2f} "
-          f"{row['incoherent']:10.2f} {row['error']:9.4f} px")
+    print(
+        f"{row['representation']:10} {row['level']:5} {row['bytes']:10.2f} {row['coherent']:9.2f} "
+        f"{row['incoherent']:10.2f} {row['error']:9.4f} px"
+    )
 
 # %% [markdown]
 # ## The plot
@@ -98,11 +100,17 @@ for panel, kind in zip(panels, rays):
         points = [row for row in rows if row["representation"] == name]
         errors, speeds = [row["error"] for row in points], [row[kind] for row in points]
         label = f"{name}, {points[-1]['bytes']:.1f} bytes per quad at level {LEVELS[-1]}"
-        line, = panel.plot(errors, speeds, label=label)
+        (line,) = panel.plot(errors, speeds, label=label)
         panel.scatter(errors, speeds, s=[8 * row["bytes"] for row in points], color=line.get_color(), alpha=0.7)
         for row in points if name == "GRID" else ():
-            panel.annotate(f"level {row['level']}", (row["error"], row[kind]), textcoords="offset points",
-                           xytext=(10, -12), fontsize=8, color=line.get_color())
+            panel.annotate(
+                f"level {row['level']}",
+                (row["error"], row[kind]),
+                textcoords="offset points",
+                xytext=(10, -12),
+                fontsize=8,
+                color=line.get_color(),
+            )
     panel.set_xscale("log")
     panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     panel.xaxis.set_major_formatter("{x:g}")

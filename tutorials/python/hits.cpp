@@ -13,8 +13,7 @@ namespace cbvh::python {
 namespace {
 
 /* The shape without the last axis. */
-Shape shapeOfVectors(const Floats& array, const std::string& argument)
-{
+Shape shapeOfVectors(const Floats& array, const std::string& argument) {
   Shape shape = shapeOf(array);
   if (shape.empty() || shape.back() != 3)
     throwValueError(argument, "has shape " + shapeText(shape) + ": expected (..., 3)");
@@ -22,57 +21,44 @@ Shape shapeOfVectors(const Floats& array, const std::string& argument)
   return shape;
 }
 
-py::tuple tupleOf(const Shape& shape)
-{
-  return py::tuple(py::cast(shape));
-}
+py::tuple tupleOf(const Shape& shape) { return py::tuple(py::cast(shape)); }
 
-Floats broadcast(const Floats& array, const Shape& shape)
-{
+Floats broadcast(const Floats& array, const Shape& shape) {
   return Floats(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
 }
 
 template<typename T>
-py::array member(const py::object& self, T SurfaceHit::*member)
-{
+py::array member(const py::object& self, T SurfaceHit::* member) {
   const Hits& hits = self.cast<const Hits&>();
   Shape strides(hits.shape.size());
   py::ssize_t stride = sizeof(SurfaceHit);
-  for (size_t i = strides.size(); i-- > 0; stride *= hits.shape[i])
-    strides[i] = stride;
+  for (size_t i = strides.size(); i-- > 0; stride *= hits.shape[i]) strides[i] = stride;
   static const SurfaceHit none;
   const SurfaceHit* const first = hits.hits.empty() ? &none : hits.hits.data();
-  if constexpr (std::is_same_v<T, Vec3f>)
-  {
+  if constexpr (std::is_same_v<T, Vec3f>) {
     Shape shape = hits.shape;
     shape.push_back(3);
     strides.push_back(sizeof(float));
     return view(&(first->*member).x, shape, strides, self);
-  }
-  else
-    return view(&(first->*member), hits.shape, strides, self);
+  } else return view(&(first->*member), hits.shape, strides, self);
 }
 
 /* Embree's invalid ID for misses. */
 template<typename Function>
-py::array_t<unsigned> ids(const Hits& hits, const Function& idOfFace)
-{
+py::array_t<unsigned> ids(const Hits& hits, const Function& idOfFace) {
   return arrayOf<unsigned>(hits.shape, [&](size_t i) {
     return hits.hits[i].hit() ? unsigned(idOfFace(hits.hits[i].face)) : RTC_INVALID_GEOMETRY_ID;
   });
 }
 
-std::string repr(const Hits& hits)
-{
+std::string repr(const Hits& hits) {
   size_t count = 0;
-  for (const SurfaceHit& hit : hits.hits)
-    count += hit.hit();
+  for (const SurfaceHit& hit : hits.hits) count += hit.hit();
   return "<Hits of shape " + shapeText(hits.shape) + ", " + std::to_string(count) + " of " +
          std::to_string(hits.hits.size()) + " rays hit>";
 }
 
-std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b)
-{
+std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b) {
   requireRays(b, "b", a.hits.size(), "a");
   auto result = std::make_shared<Hits>(a);
   result->hits = nearerHits(a.hits, b.hits);
@@ -82,25 +68,19 @@ std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b)
 } // namespace
 
 Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
-              const py::object& time)
-{
+              const py::object& time) {
   const Floats o = floats(origins, "origins"), d = floats(directions, "directions");
   const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar"), m = floats(time, "time");
   std::for_each(m.data(), m.data() + m.size(), requireTime);
   const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f),
                            shapeOf(m)};
   Rays result;
-  try
-  {
+  try {
     const py::object shape = py::module_::import("numpy").attr("broadcast_shapes")(
-      tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]), tupleOf(shapes[4]));
-    for (const py::handle& extent : shape)
-      result.shape.push_back(extent.cast<py::ssize_t>());
-  }
-  catch (py::error_already_set& e)
-  {
-    if (!e.matches(PyExc_ValueError))
-      throw;
+        tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]), tupleOf(shapes[4]));
+    for (const py::handle& extent : shape) result.shape.push_back(extent.cast<py::ssize_t>());
+  } catch (py::error_already_set& e) {
+    if (!e.matches(PyExc_ValueError)) throw;
     throw py::value_error("origins of " + shapeText(shapes[0]) + " points, directions of " + shapeText(shapes[1]) +
                           " vectors, tnear of shape " + shapeText(shapes[2]) + ", tfar of shape " +
                           shapeText(shapes[3]) + " and time of shape " + shapeText(shapes[4]) +
@@ -111,34 +91,28 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
   const Floats os = broadcast(o, vectors), ds = broadcast(d, vectors);
   const Floats ns = broadcast(n, result.shape), fs = broadcast(f, result.shape), ms = broadcast(m, result.shape);
   result.rays.resize(size_t(ns.size()));
-  for (size_t i = 0; i < result.rays.size(); i++)
-  {
+  for (size_t i = 0; i < result.rays.size(); i++) {
     const float *const p = os.data() + 3 * i, *const v = ds.data() + 3 * i;
     result.rays[i] = {{p[0], p[1], p[2]}, ns.data()[i], {v[0], v[1], v[2]}, fs.data()[i], ms.data()[i]};
   }
   return result;
 }
 
-Rays readRays(const py::object& origins, const py::object& directions)
-{
+Rays readRays(const py::object& origins, const py::object& directions) {
   return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY), py::float_(0.0));
 }
 
-void requireTime(float time)
-{
-  if (!(time >= 0.0f && time <= 1.0f))
-    throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
+void requireTime(float time) {
+  if (!(time >= 0.0f && time <= 1.0f)) throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
 }
 
-void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others)
-{
+void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others) {
   if (hits.hits.size() != rays)
     throwValueError(argument, "has " + std::to_string(hits.hits.size()) + " rays: expected " + std::to_string(rays) +
-                                ", as " + others);
+                                  ", as " + others);
 }
 
-void defineHits(py::module_& module)
-{
+void defineHits(py::module_& module) {
   py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits",
                                           R"(Hits of rays, in arrays of the shape of the rays, (...) below.
 
@@ -146,28 +120,33 @@ t, u, v and Ng are read-only views of the hits. hit, primID and geomID are new a
 
 Hits on NAIVE's triangles are converted to the surface: primID, u and v have the same meaning in all representations, so
 hits can be compared.)")
-    .def_property_readonly("hit", [](const Hits& h) {
-                             return arrayOf<bool>(h.shape, [&](size_t i) { return h.hits[i].hit(); });
-                           }, "(...) bool: True if the ray hits anything.")
-    .def_property_readonly("t", [](const py::object& self) { return member(self, &SurfaceHit::t); },
-                           "(...) float32: distance in lengths of the ray's direction; inf for a miss.")
-    .def_property_readonly("u", [](const py::object& self) { return member(self, &SurfaceHit::u); },
-                           R"((...) float32: parameter of the face, from 0 to 1; 0 for a miss.
+      .def_property_readonly(
+          "hit", [](const Hits& h) { return arrayOf<bool>(h.shape, [&](size_t i) { return h.hits[i].hit(); }); },
+          "(...) bool: True if the ray hits anything.")
+      .def_property_readonly(
+          "t", [](const py::object& self) { return member(self, &SurfaceHit::t); },
+          "(...) float32: distance in lengths of the ray's direction; inf for a miss.")
+      .def_property_readonly(
+          "u", [](const py::object& self) { return member(self, &SurfaceHit::u); },
+          R"((...) float32: parameter of the face, from 0 to 1; 0 for a miss.
 
 A face of n != 4 vertices is n patches, one per corner: at corner i, u is from 0.5 to 1.5 plus 2*(i % 4), and v from 0.5
 to 1.5 plus 2*(i // 4), as Embree reports them.)")
-    .def_property_readonly("v", [](const py::object& self) { return member(self, &SurfaceHit::v); },
-                           "(...) float32: the other parameter, see u.")
-    .def_property_readonly("Ng", [](const py::object& self) { return member(self, &SurfaceHit::normal); },
-                           "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalized; 0 for a miss.")
-    .def_property_readonly("primID", [](const Hits& h) {
-                             return ids(h, [&](unsigned f) { return f % h.facesPerCopy; });
-                           }, "(...) uint32: face of the cage, from 0; 2**32 - 1 for a miss.")
-    .def_property_readonly("geomID", [](const Hits& h) {
-                             return ids(h, [&](unsigned f) { return f / h.facesPerCopy; });
-                           }, "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 for a miss.")
-    .def_property_readonly("shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
-    .def("__repr__", repr);
+      .def_property_readonly(
+          "v", [](const py::object& self) { return member(self, &SurfaceHit::v); },
+          "(...) float32: the other parameter, see u.")
+      .def_property_readonly(
+          "Ng", [](const py::object& self) { return member(self, &SurfaceHit::normal); },
+          "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalized; 0 for a miss.")
+      .def_property_readonly(
+          "primID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f % h.facesPerCopy; }); },
+          "(...) uint32: face of the cage, from 0; 2**32 - 1 for a miss.")
+      .def_property_readonly(
+          "geomID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f / h.facesPerCopy; }); },
+          "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 for a miss.")
+      .def_property_readonly(
+          "shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
+      .def("__repr__", repr);
 
   module.def("nearer_hits", nearer, py::arg("a"), py::arg("b"), R"(Returns the nearer hit of each ray, as Hits.
 

@@ -12,8 +12,7 @@
 
 namespace cbvh::python {
 
-struct Rays
-{
+struct Rays {
   Shape shape;
   std::vector<Ray> rays; // in C order
 };
@@ -23,8 +22,7 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
               const py::object& time);
 Rays readRays(const py::object& origins, const py::object& directions);
 
-struct Hits
-{
+struct Hits {
   Shape shape;
   std::vector<SurfaceHit> hits;
   size_t facesPerCopy = 0, faces = 0; // of the model

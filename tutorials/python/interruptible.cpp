@@ -29,13 +29,10 @@ std::atomic<bool> ending{false};
 
 /* Counts the calling thread, unless the interpreter is about to end: a daemon thread that then waits for the
  * interpreter's lock is unwound through destructors, which ends the process by std::terminate. */
-class RunningCall
-{
+class RunningCall {
 public:
-  RunningCall()
-  {
-    if (ending)
-      throw Canceled();
+  RunningCall() {
+    if (ending) throw Canceled();
     numRunning++;
   }
   ~RunningCall() { numRunning--; }
@@ -43,49 +40,38 @@ public:
   RunningCall& operator=(const RunningCall&) = delete;
 };
 
-void throwIfSignalled()
-{
-  if (PyErr_CheckSignals())
-    throw py::error_already_set();
+void throwIfSignalled() {
+  if (PyErr_CheckSignals()) throw py::error_already_set();
 }
 
-std::unique_lock<std::timed_mutex> lockCalls()
-{
+std::unique_lock<std::timed_mutex> lockCalls() {
   if (currentThread == std::this_thread::get_id())
     throw std::runtime_error("progress cannot build or trace, because its own build or trace is running");
   std::unique_lock<std::timed_mutex> lock(callMutex, std::defer_lock);
-  for (;;)
-  {
+  for (;;) {
     {
       const py::gil_scoped_release released;
-      if (lock.try_lock_for(pollInterval))
-        break;
+      if (lock.try_lock_for(pollInterval)) break;
     }
-    if (ending)
-      throw Canceled();
+    if (ending) throw Canceled();
     throwIfSignalled();
   }
   currentThread = std::this_thread::get_id();
   return lock;
 }
 
-class Task
-{
+class Task {
 public:
-  Task() { setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); }); }
+  Task() {
+    setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); });
+  }
 
   /* Separate from the constructor: the destructor must also run if the system refuses the thread. */
-  void start(const std::function<void()>& work)
-  {
+  void start(const std::function<void()>& work) {
     worker = std::thread([this, &work] {
-      try
-      {
+      try {
         work();
-      }
-      catch (...)
-      {
-        failure = std::current_exception();
-      }
+      } catch (...) { failure = std::current_exception(); }
       const std::lock_guard<std::mutex> lock(mutex);
       done = true;
       changed.notify_one();
@@ -93,10 +79,8 @@ public:
   }
 
   /* Cancels unfinished work. Requires the interpreter's lock. */
-  ~Task()
-  {
-    if (worker.joinable())
-    {
+  ~Task() {
+    if (worker.joinable()) {
       requestCancel();
       join();
     }
@@ -105,10 +89,8 @@ public:
     currentThread = std::thread::id();
   }
 
-  void wait(const py::object& progress)
-  {
-    for (bool ended = false; !ended;)
-    {
+  void wait(const py::object& progress) {
+    for (bool ended = false; !ended;) {
       std::deque<Event> received;
       {
         const py::gil_scoped_release released;
@@ -119,33 +101,27 @@ public:
       }
       throwIfSignalled();
       if (!progress.is_none())
-        for (const Event& n : received)
-          progress(n.name, n.fraction);
+        for (const Event& n : received) progress(n.name, n.fraction);
     }
     join();
-    if (failure)
-      std::rethrow_exception(failure);
+    if (failure) std::rethrow_exception(failure);
   }
 
 private:
-  struct Event
-  {
+  struct Event {
     std::string name;
     double fraction = 0;
   };
 
-  void addEvent(const std::string& name, double fraction)
-  {
+  void addEvent(const std::string& name, double fraction) {
     const std::lock_guard<std::mutex> lock(mutex);
-    if (name == last.name && fraction == last.fraction)
-      return; // a phase may end at its last percentage
+    if (name == last.name && fraction == last.fraction) return; // a phase may end at its last percentage
     last = {name, fraction};
     events.push_back(last);
     changed.notify_one();
   }
 
-  void join()
-  {
+  void join() {
     const py::gil_scoped_release released;
     worker.join();
   }
@@ -161,8 +137,7 @@ private:
 
 } // namespace
 
-void runInterruptible(const py::object& progress, const std::function<void()>& work)
-{
+void runInterruptible(const py::object& progress, const std::function<void()>& work) {
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
     throw py::type_error("progress: is not callable: expected None or a callable");
   const RunningCall counted;
@@ -174,11 +149,9 @@ void runInterruptible(const py::object& progress, const std::function<void()>& w
 
 bool interpreterEnds() { return ending; }
 
-void cancelAllAtExit()
-{
+void cancelAllAtExit() {
   ending = true;
-  while (numRunning > 0)
-  {
+  while (numRunning > 0) {
     requestCancel(); // a task that ends clears the request
     const py::gil_scoped_release released;
     std::this_thread::sleep_for(pollInterval);

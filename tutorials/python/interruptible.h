@@ -25,8 +25,7 @@ namespace py = pybind11;
 void runInterruptible(const py::object& progress, const std::function<void()>& work);
 
 template<typename Work>
-auto interruptible(const py::object& progress, const Work& work)
-{
+auto interruptible(const py::object& progress, const Work& work) {
   std::optional<decltype(work())> result;
   runInterruptible(progress, [&] { result.emplace(work()); });
   return std::move(*result);

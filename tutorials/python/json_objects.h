@@ -14,33 +14,23 @@
 namespace cbvh::python {
 
 template<typename Json>
-pybind11::object objectOf(const Json& json)
-{
+pybind11::object objectOf(const Json& json) {
   namespace py = pybind11;
-  if (json.is_object())
-  {
+  if (json.is_object()) {
     py::dict dict;
-    for (const auto& item : json.items())
-      dict[py::str(item.key())] = objectOf(item.value());
+    for (const auto& item : json.items()) dict[py::str(item.key())] = objectOf(item.value());
     return dict;
   }
-  if (json.is_array())
-  {
+  if (json.is_array()) {
     py::list list;
-    for (const Json& element : json)
-      list.append(objectOf(element));
+    for (const Json& element : json) list.append(objectOf(element));
     return list;
   }
-  if (json.is_string())
-    return py::str(json.template get<std::string>());
-  if (json.is_boolean())
-    return py::bool_(json.template get<bool>());
-  if (json.is_number_unsigned())
-    return py::int_(json.template get<uint64_t>());
-  if (json.is_number_integer())
-    return py::int_(json.template get<int64_t>());
-  if (json.is_number())
-    return py::float_(json.template get<double>());
+  if (json.is_string()) return py::str(json.template get<std::string>());
+  if (json.is_boolean()) return py::bool_(json.template get<bool>());
+  if (json.is_number_unsigned()) return py::int_(json.template get<uint64_t>());
+  if (json.is_number_integer()) return py::int_(json.template get<int64_t>());
+  if (json.is_number()) return py::float_(json.template get<double>());
   return py::none();
 }
 

@@ -31,24 +31,20 @@ namespace fs = std::filesystem;
 
 /* --- displacement -------------------------------------------------------------- */
 
-struct Heights
-{
+struct Heights {
   std::string path; // image, or
   HeightMap map;    // array if the path is empty
 };
 
 /* Stores an array in a file, because OpenImageIO's texture system only reads files. */
-class MapFile
-{
+class MapFile {
 public:
-  explicit MapFile(const HeightMap& map) : folder((fs::temp_directory_path() / "embree_cbvh_XXXXXX").string())
-  {
+  explicit MapFile(const HeightMap& map) : folder((fs::temp_directory_path() / "embree_cbvh_XXXXXX").string()) {
     if (!mkdtemp(folder.data()))
       throw Error("height: cannot create a temporary folder in " + fs::temp_directory_path().string());
     map.write(path());
   }
-  ~MapFile()
-  {
+  ~MapFile() {
     std::error_code ignored;
     fs::remove_all(folder, ignored);
   }
@@ -62,40 +58,35 @@ private:
 };
 
 /* Keeps the file while its tiles may be read. */
-struct ArrayDisplacement
-{
+struct ArrayDisplacement {
   MapFile file;
   std::shared_ptr<const Displacement> displacement;
 };
 
-Heights readHeights(const py::object& height)
-{
+Heights readHeights(const py::object& height) {
   if (py::isinstance<py::str>(height) || py::hasattr(height, "__fspath__"))
     return {height.cast<fs::path>().string(), {}};
   constexpr py::ssize_t most = 1 << 16;
   const Floats array = floats(height, "height");
   if (array.ndim() != 2 || array.size() == 0 || array.shape(0) > most || array.shape(1) > most)
-    throwValueError("height", "has shape " + shapeText(shapeOf(array)) +
-                                ": expected (rows, columns) with 1 to 65536 each");
+    throwValueError("height",
+                    "has shape " + shapeText(shapeOf(array)) + ": expected (rows, columns) with 1 to 65536 each");
   const py::ssize_t columns = array.shape(1);
   HeightMap map(int(columns), int(array.shape(0)));
-  for (py::ssize_t i = 0; i < array.size(); i++)
-  {
+  for (py::ssize_t i = 0; i < array.size(); i++) {
     const float value = array.data()[i];
     if (!std::isfinite(value))
       throwValueError("height", "row " + std::to_string(i / columns) + ", column " + std::to_string(i % columns) +
-                                  " is not finite: expected finite numbers");
+                                    " is not finite: expected finite numbers");
     map.at(int(i % columns), int(i / columns)) = value;
   }
   return {"", std::move(map)};
 }
 
 std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& heights, DisplacementMap map,
-                                             std::string& warnings)
-{
+                                             std::string& warnings) {
   map.path = heights.path;
-  if (!map.path.empty())
-  {
+  if (!map.path.empty()) {
     std::shared_ptr<const Displacement> displacement = displaceByMap(cage, map, warnings);
     recordMapFiles(cage, map.path);
     return displacement;
@@ -104,20 +95,12 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   map.path = owner->file.path();
   /* Replaces the temporary file's name by the argument's. */
   const auto withArgument = [&](std::string text) {
-    for (size_t at; (at = text.find(map.path)) != std::string::npos;)
-      text.replace(at, map.path.size(), "height");
+    for (size_t at; (at = text.find(map.path)) != std::string::npos;) text.replace(at, map.path.size(), "height");
     return text;
   };
-  try
-  {
+  try {
     owner->displacement = displaceByMap(cage, map, warnings);
-  }
-  catch (const Canceled&)
-  {
-    throw;
-  }
-  catch (const Error& e)
-  {
+  } catch (const Canceled&) { throw; } catch (const Error& e) {
     throw Error(withArgument(e.what()));
   }
   warnings = withArgument(warnings);
@@ -128,31 +111,27 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
 
 const std::vector<std::string> valuesOfMaps{"heights", "object", "tangent"}; // in the order of MapValues
 
-Vec2f readRepeat(const py::object& value)
-{
+Vec2f readRepeat(const py::object& value) {
   const Floats array = floats(value, "repeat");
   if (array.size() != 1 && array.size() != 2)
     throwValueError("repeat", "has " + std::to_string(array.size()) + " numbers: expected one or two");
   const Vec2f repeat{array.data()[0], array.data()[array.size() - 1]};
   if (!(repeat.x > 0.0f && repeat.y > 0.0f && std::isfinite(repeat.x) && std::isfinite(repeat.y)))
     throwValueError("repeat", "is (" + std::to_string(repeat.x) + ", " + std::to_string(repeat.y) +
-                                "): expected finite numbers above 0");
+                                  "): expected finite numbers above 0");
   return repeat;
 }
 
 /* Requires shape (steps, vertices, 3), or (vertices, 3) for one step. */
-std::vector<std::vector<Vec3f>> readPoses(const py::object& poses, size_t numVertices)
-{
+std::vector<std::vector<Vec3f>> readPoses(const py::object& poses, size_t numVertices) {
   constexpr size_t most = 128; // Embree's 129 time steps without the cage
-  if (poses.is_none())
-    return {};
+  if (poses.is_none()) return {};
   const Floats array = floats(poses, "poses");
   Shape shape = shapeOf(array);
-  if (shape.size() == 2)
-    shape.insert(shape.begin(), 1);
+  if (shape.size() == 2) shape.insert(shape.begin(), 1);
   if (shape.size() != 3 || size_t(shape[0]) > most || size_t(shape[1]) != numVertices || shape[2] != 3)
     throwValueError("poses", "has shape " + shapeText(shapeOf(array)) + ": expected (steps, " +
-                               std::to_string(numVertices) + ", 3) with at most " + std::to_string(most) + " steps");
+                                 std::to_string(numVertices) + ", 3) with at most " + std::to_string(most) + " steps");
   const Vec3f* const positions = reinterpret_cast<const Vec3f*>(array.data());
   std::vector<std::vector<Vec3f>> result;
   result.resize(size_t(shape[0]));
@@ -164,31 +143,24 @@ std::vector<std::vector<Vec3f>> readPoses(const py::object& poses, size_t numVer
 std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std::optional<float> amplitude,
                                  std::optional<float> midLevel, const std::string& channel, const py::object& repeat,
                                  const std::string& values, const py::object& poses,
-                                 const std::optional<std::string>& wrap)
-{
+                                 const std::optional<std::string>& wrap) {
   auto model = std::make_shared<Model>();
   model->name = cage.name;
   model->cage = cage;
   model->poses = readPoses(poses, cage.positions.size());
-  if (amplitude && height.is_none())
-    throwValueError("amplitude", "is given without a height: expected both");
-  if (amplitude && !std::isfinite(*amplitude))
-    throwValueError("amplitude", "is not finite: expected a finite number");
-  if (midLevel && !std::isfinite(*midLevel))
-    throwValueError("mid_level", "is not finite: expected a finite number");
+  if (amplitude && height.is_none()) throwValueError("amplitude", "is given without a height: expected both");
+  if (amplitude && !std::isfinite(*amplitude)) throwValueError("amplitude", "is not finite: expected a finite number");
+  if (midLevel && !std::isfinite(*midLevel)) throwValueError("mid_level", "is not finite: expected a finite number");
   DisplacementMap map;
   map.values = MapValues(choice(values, "values", valuesOfMaps));
   map.midLevel = midLevel;
   map.channel = channel;
   map.repeat = readRepeat(repeat);
-  if (wrap)
-    map.wrap = TextureWrap(choice(*wrap, "wrap", textureWrapNames()));
+  if (wrap) map.wrap = TextureWrap(choice(*wrap, "wrap", textureWrapNames()));
   const float diagonal = cage.bounds().diagonal();
-  if (!amplitude && map.values == MapValues::Heights)
-    amplitude = defaultAmplitude;
+  if (!amplitude && map.values == MapValues::Heights) amplitude = defaultAmplitude;
   map.scale = amplitude ? *amplitude * diagonal : 1.0f;
-  if (height.is_none())
-    return model;
+  if (height.is_none()) return model;
   validateScale(amplitude, amplitude ? std::nullopt : std::optional(map.scale), midLevel, cage);
   const Heights heights = readHeights(height);
   std::string warnings;
@@ -200,8 +172,7 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
 std::shared_ptr<Model> makeScene(const std::string& name, std::optional<float> amplitude, bool rough,
                                  const std::optional<std::string>& mapping, std::optional<int> count,
                                  const std::string& motion, std::optional<int> steps,
-                                 const std::optional<fs::path>& mapFolder, int threads, const py::object& progress)
-{
+                                 const std::optional<fs::path>& mapFolder, int threads, const py::object& progress) {
   SceneSettings settings;
   settings.scene = name;
   settings.amplitude = amplitude;
@@ -221,14 +192,12 @@ std::shared_ptr<Model> makeScene(const std::string& name, std::optional<float> a
 
 /* --- tessellation -------------------------------------------------------------- */
 
-struct Mesh
-{
+struct Mesh {
   std::vector<Vec3f> vertices;
   std::vector<unsigned> quads; // four corners each
 };
 
-BuildSettings settingsOf(int level, int threads)
-{
+BuildSettings settingsOf(int level, int threads) {
   BuildSettings settings;
   settings.level = level;
   settings.threads = threads;
@@ -236,8 +205,7 @@ BuildSettings settingsOf(int level, int threads)
   return settings;
 }
 
-Mesh meshOf(const Model& model, int level, int threads)
-{
+Mesh meshOf(const Model& model, int level, int threads) {
   const BuildSettings settings = settingsOf(level, threads);
   const PatchLayout layout = model.layout(level);
   for (const Patch& patch : layout.patches())
@@ -250,17 +218,14 @@ Mesh meshOf(const Model& model, int level, int threads)
   mesh.quads.reserve(4 * layout.numQuads());
   for (const Patch& patch : layout.patches())
     for (unsigned y = 0; y < patch.resolution; y++)
-      for (unsigned x = 0; x < patch.resolution; x++)
-      {
+      for (unsigned x = 0; x < patch.resolution; x++) {
         const unsigned row = patch.resolution + 1, corner = unsigned(patch.firstVertex) + y * row + x;
-        for (unsigned vertex : {corner, corner + 1, corner + row + 1, corner + row})
-          mesh.quads.push_back(vertex);
+        for (unsigned vertex : {corner, corner + 1, corner + row + 1, corner + row}) mesh.quads.push_back(vertex);
       }
   return mesh;
 }
 
-py::tuple tessellateModel(const Model& model, int level, int threads, const py::object& progress)
-{
+py::tuple tessellateModel(const Model& model, int level, int threads, const py::object& progress) {
   const auto mesh = std::make_unique<Mesh>(interruptible(progress, [&] { return meshOf(model, level, threads); }));
   const float* const data = mesh->vertices.empty() ? nullptr : &mesh->vertices[0].x;
   Floats vertices(Shape{py::ssize_t(mesh->vertices.size()), 3}, data);
@@ -317,39 +282,43 @@ Returns vertices, (n, 3) float32, and quads, (m, 4) uint32.)";
 
 } // namespace
 
-void defineModel(py::module_& module)
-{
+void defineModel(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>>(module, "Model", modelText)
-    .def(py::init(&makeModel), py::arg("cage"), py::arg("height") = py::none(), py::arg("amplitude") = py::none(),
-         py::kw_only(), py::arg("mid_level") = py::none(), py::arg("channel") = "", py::arg("repeat") = 1,
-         py::arg("values") = "heights", py::arg("poses") = py::none(),
-         py::arg("wrap") = py::none(), makeText)
-    .def_static("generate", &makeScene, py::arg("name"), py::arg("amplitude") = py::none(), py::kw_only(),
-                py::arg("rough") = false, py::arg("mapping") = py::none(), py::arg("count") = py::none(),
-                py::arg("motion") = "", py::arg("steps") = py::none(),
-                py::arg("map_folder") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(), sceneText)
-    .def_readonly("cage", &Model::cage, "The Cage.")
-    .def_property_readonly("name", [](const Model& m) { return stringOf(m.name); }, "Name of the scene or of the cage.")
-    .def_property_readonly("copies", [](const Model& m) { return m.copies.size(); },
-                           "Number of copies of the cage, each a geometry of its own: 1 except for herd.")
-    .def_property_readonly("steps", [](const Model& m) { return 1 + m.poses.size(); },
-                           "Number of time steps: 1 if the model does not move.")
-    .def_property_readonly("is_displaced", [](const Model& m) { return bool(m.displacement); },
-                           "True if the model is displaced.")
-    .def("num_quads", [](const Model& m, int level) {
-           settingsOf(level, 0);
-           return m.layout(level).numQuads();
-         }, py::arg("level"), ("Returns the number of quads at a level, " + levelRange() + ".").c_str())
-    .def("tessellate", &tessellateModel, py::arg("level"), py::kw_only(), py::arg("threads") = 0,
-         py::arg("progress") = py::none(), tessellateText.c_str())
-    .def("__repr__", [](const Model& m) {
-      return stringOf("<Model '" + m.name + "' of " + std::to_string(m.numFaces()) + " faces, " +
-                      (m.displacement ? "displaced>" : "not displaced>"));
-    });
+      .def(py::init(&makeModel), py::arg("cage"), py::arg("height") = py::none(), py::arg("amplitude") = py::none(),
+           py::kw_only(), py::arg("mid_level") = py::none(), py::arg("channel") = "", py::arg("repeat") = 1,
+           py::arg("values") = "heights", py::arg("poses") = py::none(), py::arg("wrap") = py::none(), makeText)
+      .def_static("generate", &makeScene, py::arg("name"), py::arg("amplitude") = py::none(), py::kw_only(),
+                  py::arg("rough") = false, py::arg("mapping") = py::none(), py::arg("count") = py::none(),
+                  py::arg("motion") = "", py::arg("steps") = py::none(), py::arg("map_folder") = py::none(),
+                  py::arg("threads") = 0, py::arg("progress") = py::none(), sceneText)
+      .def_readonly("cage", &Model::cage, "The Cage.")
+      .def_property_readonly(
+          "name", [](const Model& m) { return stringOf(m.name); }, "Name of the scene or of the cage.")
+      .def_property_readonly(
+          "copies", [](const Model& m) { return m.copies.size(); },
+          "Number of copies of the cage, each a geometry of its own: 1 except for herd.")
+      .def_property_readonly(
+          "steps", [](const Model& m) { return 1 + m.poses.size(); },
+          "Number of time steps: 1 if the model does not move.")
+      .def_property_readonly(
+          "is_displaced", [](const Model& m) { return bool(m.displacement); }, "True if the model is displaced.")
+      .def(
+          "num_quads",
+          [](const Model& m, int level) {
+            settingsOf(level, 0);
+            return m.layout(level).numQuads();
+          },
+          py::arg("level"), ("Returns the number of quads at a level, " + levelRange() + ".").c_str())
+      .def("tessellate", &tessellateModel, py::arg("level"), py::kw_only(), py::arg("threads") = 0,
+           py::arg("progress") = py::none(), tessellateText.c_str())
+      .def("__repr__", [](const Model& m) {
+        return stringOf("<Model '" + m.name + "' of " + std::to_string(m.numFaces()) + " faces, " +
+                        (m.displacement ? "displaced>" : "not displaced>"));
+      });
   py::implicitly_convertible<Cage, Model>();
 
-  module.def("scene_names", [] { return sceneNames(); },
-             "Returns the names of the generated scenes, for Model.generate.");
+  module.def(
+      "scene_names", [] { return sceneNames(); }, "Returns the names of the generated scenes, for Model.generate.");
 }
 
 } // namespace cbvh::python

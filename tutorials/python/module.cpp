@@ -15,11 +15,10 @@
 
 #include <exception>
 
-namespace cbvh::python {
-namespace {
+namespace cbvh::python { namespace {
 
 constexpr const char* moduleText =
-  R"(Builds, traces and compares displaced subdivision surfaces in the representations of Embree CBVH.
+    R"(Builds, traces and compares displaced subdivision surfaces in the representations of Embree CBVH.
 
     import embree_cbvh as cbvh
 
@@ -34,29 +33,18 @@ Long calls let other Python threads run and can be stopped with Ctrl-C.)";
 
 PyObject* errorType = nullptr; // owned by the module
 
-void translate(std::exception_ptr thrown)
-{
-  try
-  {
-    if (thrown)
-      std::rethrow_exception(thrown);
-  }
-  catch (const Canceled&)
-  {
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const Canceled&) {
     /* ends a thread without a message */
     PyErr_SetNone(interpreterEnds() ? PyExc_SystemExit : PyExc_KeyboardInterrupt);
-  }
-  catch (const Error& e)
-  {
-    PyErr_SetObject(errorType, stringOf(e.what()).ptr());
-  }
+  } catch (const Error& e) { PyErr_SetObject(errorType, stringOf(e.what()).ptr()); }
 }
 
-} // namespace
-} // namespace cbvh::python
+}} // namespace cbvh::python
 
-PYBIND11_MODULE(embree_cbvh, module)
-{
+PYBIND11_MODULE(embree_cbvh, module) {
   using namespace cbvh::python;
   cbvh::setSettingNames(cbvh::SettingNames::Arguments);
   module.doc() = moduleText;
@@ -64,8 +52,7 @@ PYBIND11_MODULE(embree_cbvh, module)
   errorType = PyErr_NewExceptionWithDoc("embree_cbvh.Error",
                                         "Raised for invalid files, cages and settings, and for errors of Embree.",
                                         PyExc_ValueError, nullptr);
-  if (!errorType)
-    throw py::error_already_set();
+  if (!errorType) throw py::error_already_set();
   module.attr("Error") = py::handle(errorType);
   py::register_exception_translator(translate);
   py::module_::import("atexit").attr("register")(py::cpp_function(cancelAllAtExit));

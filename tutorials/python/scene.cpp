@@ -34,17 +34,15 @@
 namespace cbvh::python {
 namespace {
 
-struct Scene
-{
+struct Scene {
   Scene(std::shared_ptr<const Model> model, const Representation& representation, const BuildSettings& settings)
-    : model(std::move(model)), level(settings.level), built(*this->model, representation, settings)
-  {
-  }
+    : model(std::move(model)),
+      level(settings.level),
+      built(*this->model, representation, settings) {}
 
   const TracedScene& traced() const { return built; }
 
-  Hits hitsOf(Shape shape, std::vector<SurfaceHit> hits) const
-  {
+  Hits hitsOf(Shape shape, std::vector<SurfaceHit> hits) const {
     return {std::move(shape), std::move(hits), model->cage.numFaces(), model->numFaces()};
   }
 
@@ -54,8 +52,7 @@ struct Scene
 };
 
 /* A scene from a file, without a model. */
-struct LoadedScene
-{
+struct LoadedScene {
   const TracedScene& traced() const { return saved; }
 
   LoadedScene(const std::string& path, unsigned threads) : path(path), saved(path, threads) {}
@@ -64,37 +61,30 @@ struct LoadedScene
   SavedScene saved;
 };
 
-void requireNotNegative(float value, const char* argument)
-{
+void requireNotNegative(float value, const char* argument) {
   if (!(value >= 0.0f) || !std::isfinite(value))
     throwValueError(argument, "is " + std::to_string(value) + ": expected a finite number of at least 0");
 }
 
-unsigned threadsOf(int threads)
-{
-  if (threads < 0)
-    throwValueError("threads", "is " + std::to_string(threads) + ": expected 0 (all) or more");
+unsigned threadsOf(int threads) {
+  if (threads < 0) throwValueError("threads", "is " + std::to_string(threads) + ": expected 0 (all) or more");
   return threadCount(threads);
 }
 
 /* --- building ------------------------------------------------------------------ */
 
 /* "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
-Representation readRepresentation(const std::string& name, const py::object& frameLevel)
-{
+Representation readRepresentation(const std::string& name, const py::object& frameLevel) {
   const std::vector<Representation> one = parseRepresentations(
-    name, frameLevel.is_none() ? Representation().frameLevel : parseFrameLevel(py::str(frameLevel)));
-  if (one.size() != 1)
-    throwValueError("representation", "'" + name + "' names several representations: expected one");
+      name, frameLevel.is_none() ? Representation().frameLevel : parseFrameLevel(py::str(frameLevel)));
+  if (one.size() != 1) throwValueError("representation", "'" + name + "' names several representations: expected one");
   return one.front();
 }
 
-void requireMemory(const Model& model, const Representation& representation, int level)
-{
+void requireMemory(const Model& model, const Representation& representation, int level) {
   const BuildSize size(model, level);
   const size_t needed = estimatedPeakBytes(representation.kind, size), available = availableMemory();
-  if (needed <= available)
-    return;
+  if (needed <= available) return;
   char text[200];
   std::snprintf(text, sizeof(text),
                 "not enough memory: %s on %.1f million quads needs about %.1f GiB, but %.1f GiB are free",
@@ -104,29 +94,23 @@ void requireMemory(const Model& model, const Representation& representation, int
   throw py::error_already_set();
 }
 
-PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera)
-{
+PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera) {
   requireNotNegative(pixels, "max_pixel_error");
-  if (pixels == 0.0f)
-    return {};
-  if (!camera)
-    throwValueError("max_pixel_error", "is given without a camera: expected both");
+  if (pixels == 0.0f) return {};
+  if (!camera) throwValueError("max_pixel_error", "is given without a camera: expected both");
   return {pixels, camera->eye(), camera->footprint()};
 }
 
 std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::string& name, int level,
                              const py::object& frameLevel, const std::optional<float>& maxError, float maxPixelError,
                              const std::optional<Camera>& camera, int threads, const std::string& isa,
-                             const std::string& device, const py::object& progress)
-{
+                             const std::string& device, const py::object& progress) {
   const Representation representation = readRepresentation(name, frameLevel);
-  if (maxError)
-    requireNotNegative(*maxError, "max_error");
+  if (maxError) requireNotNegative(*maxError, "max_error");
   BuildSettings settings;
   settings.level = level;
   settings.threads = threads;
-  if (maxError)
-    settings.maxError = *maxError;
+  if (maxError) settings.maxError = *maxError;
   settings.pixelBound = readPixelBound(maxPixelError, camera);
   settings.isa = isa;
   settings.device = device;
@@ -140,27 +124,22 @@ std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::str
 /* --- tracing ------------------------------------------------------------------- */
 
 Hits intersect(const Scene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
-               const py::object& tfar, const py::object& time, int threads)
-{
+               const py::object& tfar, const py::object& time, int threads) {
   const unsigned n = threadsOf(threads);
   Rays rays = readRays(origins, directions, tnear, tfar, time);
-  return interruptible(py::none(), [&] {
-    return scene.hitsOf(std::move(rays.shape), traceClosest(scene.built, rays.rays, n));
-  });
+  return interruptible(py::none(),
+                       [&] { return scene.hitsOf(std::move(rays.shape), traceClosest(scene.built, rays.rays, n)); });
 }
 
-std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads)
-{
+std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads) {
   constexpr size_t chunk = 4096;
   std::vector<char> hit(rays.size());
   parallelFor(rays.size(), chunk, threads, [&](size_t begin, size_t end) {
     const FlushDenormals denormals;
     std::vector<RTCRay> batch(end - begin);
-    for (size_t i = begin; i < end; i++)
-      load(rays[i], batch[i - begin]);
+    for (size_t i = begin; i < end; i++) load(rays[i], batch[i - begin]);
     scene.tracer().occluded(batch.data(), batch.size());
-    for (size_t i = begin; i < end; i++)
-      hit[i] = batch[i - begin].tfar < 0.0f && !(rays[i].tfar < 0.0f);
+    for (size_t i = begin; i < end; i++) hit[i] = batch[i - begin].tfar < 0.0f && !(rays[i].tfar < 0.0f);
   });
   return hit;
 }
@@ -168,8 +147,7 @@ std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays
 /* Here and below, Traced is Scene or LoadedScene. */
 template<typename Traced>
 py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const py::object& directions,
-                           const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
-{
+                           const py::object& tnear, const py::object& tfar, const py::object& time, int threads) {
   const unsigned n = threadsOf(threads);
   const Rays rays = readRays(origins, directions, tnear, tfar, time);
   const std::vector<char> hit = interruptible(py::none(), [&] {
@@ -182,16 +160,14 @@ py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const
 
 template<typename Traced>
 double traceSeconds(const Traced& scene, const py::object& origins, const py::object& directions,
-                    const std::string& query, const std::string& mode, bool coherent, int threads, unsigned passes)
-{
+                    const std::string& query, const std::string& mode, bool coherent, int threads, unsigned passes) {
   TraceSettings settings;
   settings.query = parseQuery(query);
   settings.mode = parseTraceMode(mode);
   settings.coherent = coherent;
   settings.threads = threadsOf(threads);
   settings.passes = passes;
-  if (passes < 1)
-    throwValueError("passes", "is 0: expected 1 or more");
+  if (passes < 1) throwValueError("passes", "is 0: expected 1 or more");
   const Rays rays = readRays(origins, directions);
   return interruptible(py::none(), [&] {
     const double seconds = timeTrace(scene.traced(), rays.rays, settings).seconds;
@@ -200,8 +176,7 @@ double traceSeconds(const Traced& scene, const py::object& origins, const py::ob
   });
 }
 
-Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size)
-{
+Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size) {
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
   const auto choose = [&] { return chooseCamera(view, *scene.model, scene.built, image, threadCount(0)); };
@@ -210,23 +185,23 @@ Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int>
 
 /* --- files ----------------------------------------------------------------------- */
 
-void save(const Scene& scene, const std::filesystem::path& path)
-{
+void save(const Scene& scene, const std::filesystem::path& path) {
   if (!scene.built.representation().isCompressed())
     throwValueError("path", "only compressed scenes can be saved: expected another representation than " +
-                              scene.built.representation().label());
-  interruptible(py::none(), [&] { scene.built.save(path.string()); return 0; });
+                                scene.built.representation().label());
+  interruptible(py::none(), [&] {
+    scene.built.save(path.string());
+    return 0;
+  });
 }
 
-std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads)
-{
+std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads) {
   const unsigned n = threadsOf(threads);
   return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path.string(), n); });
 }
 
 Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions,
-                     const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
-{
+                     const py::object& tnear, const py::object& tfar, const py::object& time, int threads) {
   const unsigned n = threadsOf(threads);
   Rays rays = readRays(origins, directions, tnear, tfar, time);
   return interruptible(py::none(), [&] {
@@ -237,8 +212,7 @@ Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const 
   });
 }
 
-Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pair<int, int> size)
-{
+Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pair<int, int> size) {
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
   return interruptible(py::none(), [&] {
@@ -251,8 +225,7 @@ Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pa
 
 /* --- statistics ---------------------------------------------------------------- */
 
-py::object statistics(const Scene& scene)
-{
+py::object statistics(const Scene& scene) {
   const BuildReport& report = scene.built.report();
   nlohmann::ordered_json j{{"representation", scene.built.representation().label()},
                            {"level", scene.level},
@@ -264,36 +237,31 @@ py::object statistics(const Scene& scene)
                            {"distance_from_mesh", report.distanceFromMesh()},
                            {"seam_gap", report.seams.distance},
                            {"seam_gap_quads", report.seams.quads}};
-  if (scene.built.representation().isCompressed())
-    j["compression"] = compressionJson(report.compression);
+  if (scene.built.representation().isCompressed()) j["compression"] = compressionJson(report.compression);
   return objectOf(j);
 }
 
 /* --- errors -------------------------------------------------------------------- */
 
-void requireHitsOf(const Scene& scene, const Hits& hits, const char* argument)
-{
+void requireHitsOf(const Scene& scene, const Hits& hits, const char* argument) {
   if (hits.faces != scene.model->numFaces())
     throwValueError(argument, "are of a model of " + std::to_string(hits.faces) + " faces: expected " +
-                                std::to_string(scene.model->numFaces()));
+                                  std::to_string(scene.model->numFaces()));
 }
 
-void requirePositive(float footprint)
-{
+void requirePositive(float footprint) {
   if (!(footprint > 0.0f) || !std::isfinite(footprint))
     throwValueError("pixel_size", "is " + std::to_string(footprint) + ": expected a finite number above 0");
 }
 
-py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint)
-{
+py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint) {
   requireRays(reference, "reference", hits.hits.size(), "hits");
   requirePositive(footprint);
   const std::vector<float> errors = pixelErrors(reference.hits, hits.hits, footprint);
   return arrayOf<float>(hits.shape, [&](size_t i) { return errors[i] < 0.0f ? NAN : errors[i]; });
 }
 
-py::object errorsOf(const Scene& scene, const Hits& hits, const Hits& reference, float footprint)
-{
+py::object errorsOf(const Scene& scene, const Hits& hits, const Hits& reference, float footprint) {
   requireHitsOf(scene, hits, "hits");
   requireHitsOf(scene, reference, "reference");
   requireRays(reference, "reference", hits.hits.size(), "hits");
@@ -302,8 +270,7 @@ py::object errorsOf(const Scene& scene, const Hits& hits, const Hits& reference,
 }
 
 py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& origins, const py::object& directions,
-                        float footprint, size_t count, uint32_t seed, int threads, const py::object& progress)
-{
+                        float footprint, size_t count, uint32_t seed, int threads, const py::object& progress) {
   requireHitsOf(scene, hits, "hits");
   requirePositive(footprint);
   const unsigned n = threadsOf(threads);
@@ -318,8 +285,7 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 
 /* --- stored surface --------------------------------------------------------------- */
 
-py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
-{
+py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time) {
   requireHitsOf(scene, hits, "hits");
   requireTime(time);
   Shape shape = hits.shape;
@@ -328,15 +294,13 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
   Vec3f* const out = reinterpret_cast<Vec3f*>(array.mutable_data());
   interruptible(py::none(), [&] {
     for (size_t i = 0; i < hits.hits.size(); i++)
-      if (!scene.built.triangleOf(hits.hits[i], time, out + 3 * i))
-        std::fill_n(out + 3 * i, 3, Vec3f{NAN, NAN, NAN});
+      if (!scene.built.triangleOf(hits.hits[i], time, out + 3 * i)) std::fill_n(out + 3 * i, 3, Vec3f{NAN, NAN, NAN});
     return 0;
   });
   return array;
 }
 
-py::dict storedMesh(const Scene& scene, float time)
-{
+py::dict storedMesh(const Scene& scene, float time) {
   requireTime(time);
   const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(time); });
   py::dict result;
@@ -351,28 +315,29 @@ py::dict storedMesh(const Scene& scene, float time)
 /* --- docstrings ---------------------------------------------------------------- */
 
 /* Representations for which a predicate is true, "cgrid, cvoxel". */
-std::string wordsOf(bool (Representation::*is)() const, const std::string& quote)
-{
+std::string wordsOf(bool (Representation::*is)() const, const std::string& quote) {
   std::string words;
   for (RepresentationKind kind : representationKinds())
-    if ((Representation{kind}.*is)())
-      words += (words.empty() ? "" : ", ") + quote + optionNameOf(kind) + quote;
+    if ((Representation{kind}.*is)()) words += (words.empty() ? "" : ", ") + quote + optionNameOf(kind) + quote;
   return words;
 }
 
-std::string buildText()
-{
+std::string buildText() {
   return R"(Builds a model in one representation and returns a Scene.
 
 model: a Model, or a Cage, which is not displaced.
-representation: a compressed one: )" + wordsOf(&Representation::isCompressed, "\"") + R"(; or "grid", Embree's own, or
+representation: a compressed one: )" +
+         wordsOf(&Representation::isCompressed, "\"") + R"(; or "grid", Embree's own, or
   "naive", its triangles, or "naive-compact", these in Embree's compact mode. A frame level may follow: "cleaf^3".
   "cleaf" stores faces that its leaves approximate badly as "cvert" does; "cleaf-only" has leaves for all
   faces, as in the paper.
-level: )" + levelRange() + R"(, 2**level x 2**level quads per face of 4 vertices. Other faces have a quarter as many per
+level: )" +
+         levelRange() + R"(, 2**level x 2**level quads per face of 4 vertices. Other faces have a quarter as many per
   corner, at least 1.
-frame_level: )" + levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
-  )" + wordsOf(&Representation::hasFrames, "") + R"(.
+frame_level: )" +
+         levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
+  )" + wordsOf(&Representation::hasFrames, "") +
+         R"(.
 max_error: bound in world units on the spacing of cvert's lattice, where 0 stores vertices exactly, and on the thickness
   of leaves if frame_level is "auto". None selects the library's default.
 max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
@@ -401,7 +366,7 @@ picture of hits. Ctrl-C stops the call. Calls by several Python threads run one 
 Raises ValueError or TypeError for invalid arguments, and Error if a block of a loaded file is damaged.)";
 
 constexpr const char* occludedText =
-  R"(Returns (...) bool: True if the ray hits anything. Arguments and errors as in intersect.)";
+    R"(Returns (...) bool: True if the ray hits anything. Arguments and errors as in intersect.)";
 
 constexpr const char* secondsText = R"(Traces the rays and returns the time of one pass in seconds.
 
@@ -454,7 +419,7 @@ path: of the file, str or os.PathLike. An existing file is replaced when the new
 Raises ValueError if the scene is not compressed, and Error if the file cannot be written.)";
 
 constexpr const char* loadText =
-  R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.
+    R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.
 
 path: of the file, str or os.PathLike. The file must not be modified while it is open.
 threads: of the device, 0 for all.
@@ -463,7 +428,7 @@ The scene has no model, but the same hits to the bit. The file is mapped: parts 
 Error with the reason for a file that is truncated, altered, of another version, or not such a file.)";
 
 constexpr const char* errorsText =
-  R"(Compares hits with a reference and returns a dict with the names of `cbvh_render --json`.
+    R"(Compares hits with a reference and returns a dict with the names of `cbvh_render --json`.
 
 hits: hits in this scene.
 reference: hits of the same rays in another representation of the same model.
@@ -474,7 +439,7 @@ bias_pixels (above 0: behind the reference) exclude distances beyond 5 pixels, w
 surface. false_hits and misses count rays that hit in only one of both. Normals are in degrees, u and v in quads.)";
 
 constexpr const char* trueErrorsText =
-  R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.
+    R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.
 
 hits: hits in this scene of the rays origins and directions, which must have unit length.
 pixel_size: width of a pixel at distance 1 (Camera.pixel_size).
@@ -486,7 +451,7 @@ The true surface is OpenSubdiv's limit surface with the unfiltered displacement.
 compression together.)";
 
 constexpr const char* pixelErrorsText =
-  R"(Returns the distance between the hit points of each ray in pixels, (...) float32.
+    R"(Returns the distance between the hit points of each ray in pixels, (...) float32.
 
 hits, reference: hits of the same rays, whose directions must have unit length.
 pixel_size: width of a pixel at distance 1 (Camera.pixel_size).
@@ -495,70 +460,73 @@ The distance is NaN unless both hit.)";
 
 } // namespace
 
-void defineScene(py::module_& module)
-{
+void defineScene(py::module_& module) {
   using py::arg;
   const py::float_ zero(0.0), infinity(INFINITY);
   py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", "A model built in one representation, see build().")
-    .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
-         py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
-    .def("occluded", &occluded<Scene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
-         py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
-    .def("trace_seconds", &traceSeconds<Scene>, arg("origins"), arg("directions"), py::kw_only(),
-         arg("query") = "closest",
-         arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
-    .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
-    .def("statistics", &statistics, statisticsText)
-    .def("triangles", &trianglesOf, arg("hits"), py::kw_only(), arg("time") = 0.0f, trianglesText)
-    .def("stored_mesh", &storedMesh, py::kw_only(), arg("time") = 0.0f, storedMeshText)
-    .def("save", &save, arg("path"), saveText)
-    .def("compare", &errorsOf, arg("hits"), arg("reference"), arg("pixel_size"), errorsText)
-    .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("pixel_size"), py::kw_only(),
-         arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)
-    .def_property_readonly("bounds", [](const Scene& s) { return arrayOf(s.built.bounds()); },
-                           "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
-    .def_property_readonly("model", [](const Scene& s) { return std::const_pointer_cast<Model>(s.model); },
-                           "The Model.")
-    .def_property_readonly("representation", [](const Scene& s) { return s.built.representation().label(); },
-                           "Label; with a frame level as in the paper: 'cLEAF^2'.")
-    .def_readonly("level", &Scene::level, "2**level x 2**level quads per face.")
-    .def("__repr__", [](const Scene& s) {
-      char bytes[32];
-      std::snprintf(bytes, sizeof(bytes), "%.2f", s.built.report().bytesPerQuad());
-      return stringOf("<Scene '" + s.model->name + "' in " + s.built.representation().label() + " at level " +
-                      std::to_string(s.level) + ": " + std::to_string(s.built.report().quads) + " quads, " + bytes +
-                      " bytes each>");
-    });
+      .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+           py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
+      .def("occluded", &occluded<Scene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+           py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
+      .def("trace_seconds", &traceSeconds<Scene>, arg("origins"), arg("directions"), py::kw_only(),
+           arg("query") = "closest", arg("mode") = "single", arg("coherent") = false, arg("threads") = 1,
+           arg("passes") = 1, secondsText)
+      .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
+      .def("statistics", &statistics, statisticsText)
+      .def("triangles", &trianglesOf, arg("hits"), py::kw_only(), arg("time") = 0.0f, trianglesText)
+      .def("stored_mesh", &storedMesh, py::kw_only(), arg("time") = 0.0f, storedMeshText)
+      .def("save", &save, arg("path"), saveText)
+      .def("compare", &errorsOf, arg("hits"), arg("reference"), arg("pixel_size"), errorsText)
+      .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("pixel_size"),
+           py::kw_only(), arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(),
+           trueErrorsText)
+      .def_property_readonly(
+          "bounds", [](const Scene& s) { return arrayOf(s.built.bounds()); },
+          "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
+      .def_property_readonly(
+          "model", [](const Scene& s) { return std::const_pointer_cast<Model>(s.model); }, "The Model.")
+      .def_property_readonly(
+          "representation", [](const Scene& s) { return s.built.representation().label(); },
+          "Label; with a frame level as in the paper: 'cLEAF^2'.")
+      .def_readonly("level", &Scene::level, "2**level x 2**level quads per face.")
+      .def("__repr__", [](const Scene& s) {
+        char bytes[32];
+        std::snprintf(bytes, sizeof(bytes), "%.2f", s.built.report().bytesPerQuad());
+        return stringOf("<Scene '" + s.model->name + "' in " + s.built.representation().label() + " at level " +
+                        std::to_string(s.level) + ": " + std::to_string(s.built.report().quads) + " quads, " + bytes +
+                        " bytes each>");
+      });
 
   py::class_<LoadedScene, std::shared_ptr<LoadedScene>>(module, "LoadedScene",
                                                         "Compressed geometries of a file, see load().")
-    .def("intersect", &intersectLoaded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
-         py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
-    .def("occluded", &occluded<LoadedScene>, arg("origins"), arg("directions"), arg("tnear") = zero,
-         arg("tfar") = infinity,
-         py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
-    .def("trace_seconds", &traceSeconds<LoadedScene>, arg("origins"), arg("directions"), py::kw_only(),
-         arg("query") = "closest",
-         arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
-    .def("camera", &cameraOfLoaded, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
-    .def_property_readonly("quads", [](const LoadedScene& s) { return s.saved.quads(); },
-                           "Number of quads of all geometries.")
-    .def_property_readonly("geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); },
-                           "Number of geometries.")
-    .def_property_readonly("open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); },
-                           "Time for opening the file and committing the scene, in seconds.")
-    .def_property_readonly("bounds", [](const LoadedScene& s) { return arrayOf(s.saved.bounds()); },
-                           "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
-    .def("__repr__", [](const LoadedScene& s) {
-      const size_t n = s.saved.geometries().size();
-      return stringOf("<LoadedScene '" + s.path + "': " + std::to_string(n) +
-                      (n == 1 ? " geometry, " : " geometries, ") + std::to_string(s.saved.quads()) + " quads>");
-    });
+      .def("intersect", &intersectLoaded, arg("origins"), arg("directions"), arg("tnear") = zero,
+           arg("tfar") = infinity, py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
+      .def("occluded", &occluded<LoadedScene>, arg("origins"), arg("directions"), arg("tnear") = zero,
+           arg("tfar") = infinity, py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
+      .def("trace_seconds", &traceSeconds<LoadedScene>, arg("origins"), arg("directions"), py::kw_only(),
+           arg("query") = "closest", arg("mode") = "single", arg("coherent") = false, arg("threads") = 1,
+           arg("passes") = 1, secondsText)
+      .def("camera", &cameraOfLoaded, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
+      .def_property_readonly(
+          "quads", [](const LoadedScene& s) { return s.saved.quads(); }, "Number of quads of all geometries.")
+      .def_property_readonly(
+          "geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); }, "Number of geometries.")
+      .def_property_readonly(
+          "open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); },
+          "Time for opening the file and committing the scene, in seconds.")
+      .def_property_readonly(
+          "bounds", [](const LoadedScene& s) { return arrayOf(s.saved.bounds()); },
+          "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
+      .def("__repr__", [](const LoadedScene& s) {
+        const size_t n = s.saved.geometries().size();
+        return stringOf("<LoadedScene '" + s.path + "': " + std::to_string(n) +
+                        (n == 1 ? " geometry, " : " geometries, ") + std::to_string(s.saved.quads()) + " quads>");
+      });
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
              arg("frame_level") = py::none(), arg("max_error") = py::none(), arg("max_pixel_error") = 0.0f,
-             arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "",
-             arg("device") = "cpu", arg("progress") = py::none(), buildText().c_str());
+             arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "", arg("device") = "cpu",
+             arg("progress") = py::none(), buildText().c_str());
   module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("pixel_size"), pixelErrorsText);
 }
 

@@ -369,9 +369,7 @@ class RayMeshIntersector:
         """Returns (n,) bool: True if the ray hits the mesh."""
         return self.intersects_first(ray_origins, ray_directions) != -1
 
-    def intersects_id(
-        self, ray_origins, ray_directions, multiple_hits=True, max_hits=None, return_locations=False
-    ):
+    def intersects_id(self, ray_origins, ray_directions, multiple_hits=True, max_hits=None, return_locations=False):
         """Returns the triangles and the rays of all hits, and if requested their locations.
 
         max_hits: most hits per ray, the closest ones; None for all. Hits of one ray at the same distance, or at

@@ -11,8 +11,7 @@
 namespace cbvh::python {
 
 /* Issues a Python warning per line. Replaces bytes that are not UTF-8. Requires the interpreter's lock. */
-inline void warn(const std::string& lines)
-{
+inline void warn(const std::string& lines) {
   std::istringstream stream(lines);
   for (std::string line; std::getline(stream, line);)
     if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%s", line.c_str()))

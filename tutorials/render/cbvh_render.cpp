@@ -12,36 +12,30 @@
 
 namespace {
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   const std::optional<cbvh::Options> options = cbvh::parseOptions(argc, argv);
-  if (!options)
-    return 0;
+  if (!options) return 0;
   cbvh::installCancelHandler();
   cbvh::forceExitAfterCancel("cbvh_render");
   cbvh::prepareOutputFolder(options->output);
   cbvh::requireWritable({{"--save", options->savePath}, {"--export", options->exportPath}, {"--json", options->json}});
-  if (!options->loadPath.empty())
-  {
+  if (!options->loadPath.empty()) {
     cbvh::renderSavedScene(*options);
     return 0;
   }
   const cbvh::ModelView view(*options);
-  if (options->savesCopyByCopy())
-  {
+  if (options->savesCopyByCopy()) {
     cbvh::saveAndRender(*options, view);
     return 0;
   }
   const cbvh::Comparison comparison = cbvh::runComparison(*options, view);
   cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
-  if (!options->json.empty())
-    cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
+  if (!options->json.empty()) cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
   return 0;
 }
 
 } // namespace
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_render", [=] { return run(argc, argv); });
 }

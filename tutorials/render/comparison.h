@@ -16,8 +16,7 @@
 
 namespace cbvh {
 
-struct Result
-{
+struct Result {
   Representation representation;
   BuildReport build;
   std::optional<HitErrors> errors; // unset for the reference itself, and without one
@@ -26,22 +25,21 @@ struct Result
   Speeds speed;
 };
 
-struct Comparison
-{
+struct Comparison {
   std::string model;
   size_t faces = 0, vertices = 0;
   BuildSettings build;
   ImageSize size;
-  std::string camera;         // eye, target, field of view
+  std::string camera; // eye, target, field of view
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = false;
-  float quadSize = 0;         // pixels; 0 if the view does not determine levels
-  bool isMesh = false;        // without levels
-  bool compares = false;      // there are several representations
-  std::string reference;      // of the errors; empty without GRID and NAIVE
-  size_t trueHits = 0;        // compared with the true surface
-  std::string pictures;       // paths and contents
+  float quadSize = 0;          // pixels; 0 if the view does not determine levels
+  bool isMesh = false;         // without levels
+  bool compares = false;       // there are several representations
+  std::string reference;       // of the errors; empty without GRID and NAIVE
+  size_t trueHits = 0;         // compared with the true surface
+  std::string pictures;        // paths and contents
   std::vector<Result> results; // in the order of the options
 };
 

@@ -11,31 +11,25 @@
 namespace cbvh {
 namespace {
 
-class Planner
-{
+class Planner {
 public:
   Planner(const std::vector<Representation>& requested, const BuildSize& size, size_t available)
-    : requested(requested), size(size), available(available)
-  {
-  }
+    : requested(requested),
+      size(size),
+      available(available) {}
 
-  MemoryPlan plan()
-  {
+  MemoryPlan plan() {
     const std::vector<Representation> compressed = fitting();
     size_t largest = 0, grid = 0;
-    for (const Representation& r : compressed)
-      largest = std::max(largest, peak(r.kind));
+    for (const Representation& r : compressed) largest = std::max(largest, peak(r.kind));
     const Representation* const gridRequest = find(RepresentationKind::Grid);
-    if (gridRequest && fits(*gridRequest, largest, "next to the compressed ones"))
-    {
+    if (gridRequest && fits(*gridRequest, largest, "next to the compressed ones")) {
       grid = peak(gridRequest->kind);
       result.built.push_back(*gridRequest);
     }
-    for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact})
-    {
+    for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact}) {
       const Representation* const request = find(kind);
-      if (request && fits(*request, grid, "next to GRID"))
-        result.built.push_back(*request);
+      if (request && fits(*request, grid, "next to GRID")) result.built.push_back(*request);
     }
     result.built.insert(result.built.end(), compressed.begin(), compressed.end());
     if (result.built.empty())
@@ -44,29 +38,24 @@ public:
   }
 
 private:
-  std::vector<Representation> fitting()
-  {
+  std::vector<Representation> fitting() {
     std::vector<Representation> compressed;
     for (const Representation& r : requested)
-      if (r.isCompressed() && fits(r, 0, ""))
-        compressed.push_back(r);
+      if (r.isCompressed() && fits(r, 0, "")) compressed.push_back(r);
     return compressed;
   }
 
-  const Representation* find(RepresentationKind kind) const
-  {
+  const Representation* find(RepresentationKind kind) const {
     const auto found =
-      std::find_if(requested.begin(), requested.end(), [&](const Representation& r) { return r.kind == kind; });
+        std::find_if(requested.begin(), requested.end(), [&](const Representation& r) { return r.kind == kind; });
     return found == requested.end() ? nullptr : &*found;
   }
 
   size_t peak(RepresentationKind kind) const { return estimatedPeakBytes(kind, size); }
 
   /* Records the reason if `r` does not fit next to `other` bytes, which `user` describes. */
-  bool fits(const Representation& r, size_t other, const std::string& user)
-  {
-    if (peak(r.kind) + other <= available)
-      return true;
+  bool fits(const Representation& r, size_t other, const std::string& user) {
+    if (peak(r.kind) + other <= available) return true;
     constexpr double gib = double(1 << 30);
     char text[256];
     std::snprintf(text, sizeof(text),
@@ -85,8 +74,7 @@ private:
 
 } // namespace
 
-MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available)
-{
+MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available) {
   return Planner(requested, size, available).plan();
 }
 

@@ -11,8 +11,7 @@
 
 namespace cbvh {
 
-struct MemoryPlan
-{
+struct MemoryPlan {
   /* In the order of building: GRID, which stays in memory, then NAIVE and NAIVE-compact, then the compressed ones. */
   std::vector<Representation> built;
   std::vector<std::string> skipped; // one line per representation that is left out

@@ -12,14 +12,11 @@ namespace cbvh {
 namespace {
 
 /* The same for every representation: fitted to a GRID at a level that is fast to build. */
-Camera cameraOf(const Options& options, const Model& model, unsigned threads)
-{
+Camera cameraOf(const Options& options, const Model& model, unsigned threads) {
   constexpr size_t maxQuads = 4000000;
   BuildSettings coarse = options.build;
-  if (model.isMesh)
-    coarse.level = 0; // meshes have no other levels
-  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > maxQuads)
-    coarse.level--;
+  if (model.isMesh) coarse.level = 0; // meshes have no other levels
+  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > maxQuads) coarse.level--;
   coarse.device = "cpu";
   coarse.name = "view";
   const BuiltScene grid(model, {RepresentationKind::Grid}, coarse);
@@ -27,11 +24,9 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 }
 
 /* For the whole picture, even if only a part is rendered. */
-BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera)
-{
+BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera) {
   std::optional<ViewDicing> dicing;
-  if (options.autoLevel)
-    dicing = ViewDicing{options.quadSize, highestRate(options.representations)};
+  if (options.autoLevel) dicing = ViewDicing{options.quadSize, highestRate(options.representations)};
   return settingsForView(options.build, model, camera, dicing, options.maxPixelError);
 }
 
@@ -39,8 +34,7 @@ BuildSettings settingsFor(const Options& options, const Model& model, const Came
 
 ModelView::ModelView(const Options& options)
   : model(loadProgramScene("cbvh_render", options.scene)),
-    camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
-{
-}
+    camera(cameraOf(options, model, threadCount(options.build.threads))),
+    build(settingsFor(options, model, camera)) {}
 
 } // namespace cbvh

@@ -7,8 +7,7 @@
 
 namespace cbvh {
 
-struct ModelView
-{
+struct ModelView {
   Model model;
   Camera camera;
   BuildSettings build;

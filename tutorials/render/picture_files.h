@@ -18,15 +18,17 @@
 
 namespace cbvh {
 
-class PictureFiles
-{
+class PictureFiles {
 public:
   /* `samples` is per pixel of shaded pictures. */
   PictureFiles(std::string folder, std::string model, ImageSize whole, Crop part, HitColors colors, int samples)
-    : folder(std::move(folder)), model(std::move(model)), whole(whole), part(part), size(part.size()), colors(colors),
-      samples(samples)
-  {
-  }
+    : folder(std::move(folder)),
+      model(std::move(model)),
+      whole(whole),
+      part(part),
+      size(part.size()),
+      colors(colors),
+      samples(samples) {}
 
   /* Returns the path. */
   std::string writePicture(const Representation& r, const Image& image);

@@ -31,8 +31,7 @@ namespace {
 
 /* Time of a ray through the middle of the picture, including initialization for a thread's first ray unless a close
  * view was fitted by tracing. */
-double firstRaySeconds(const SavedScene& scene, const Camera& camera)
-{
+double firstRaySeconds(const SavedScene& scene, const Camera& camera) {
   RTCRayHit ray;
   load(primaryRay(camera, camera.size().width / 2, camera.size().height / 2), ray);
   const auto start = std::chrono::steady_clock::now();
@@ -42,18 +41,16 @@ double firstRaySeconds(const SavedScene& scene, const Camera& camera)
 
 /* Single rays on one thread. The first round also loads the pages that only bounced rays reach. */
 Speeds measureSpeed(const Options& options, const std::string& name, const SavedScene& scene,
-                    const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits)
-{
+                    const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits) {
   RaySets sets;
   makeRaySets(options, scene, primary, hits, sets);
   const Speeds speeds = InterleavedSpeed(sets, options.repeat).measure(name, scene, nullptr);
   scene.check();
   double difference = 0;
   for (const auto& ofSet : speeds)
-    for (const Speed& speed : ofSet)
-      difference = std::max(difference, speed.difference);
+    for (const Speed& speed : ofSet) difference = std::max(difference, speed.difference);
   const std::string note =
-    difference > mostRoundDifference ? "; rounds differ by up to " + std::to_string(int(100 * difference)) + "%" : "";
+      difference > mostRoundDifference ? "; rounds differ by up to " + std::to_string(int(100 * difference)) + "%" : "";
   char line[320];
   std::snprintf(line, sizeof(line),
                 "speed: one thread, single rays: %.2f million coherent rays per second and %.2f million incoherent "
@@ -66,8 +63,7 @@ Speeds measureSpeed(const Options& options, const std::string& name, const Saved
 
 /* `fixed` is null to fit a camera to the scene. */
 void render(const Options& options, const std::string& file, const std::string& name, const Camera* fixed, Vec3f up,
-            nlohmann::json json)
-{
+            nlohmann::json json) {
   const unsigned threads = threadCount(options.build.threads);
   const SavedScene scene(file, threads, options.build.isa);
   const Model box = fixed ? Model() : boxModel(name, scene.bounds(), options.scene.up);
@@ -81,14 +77,12 @@ void render(const Options& options, const std::string& file, const std::string& 
   {
     Phase phase(name + ": picture");
     const auto start = std::chrono::steady_clock::now();
-    for (int i = 0; i < options.samples; i++)
-    {
+    for (int i = 0; i < options.samples; i++) {
       std::vector<Ray> rays = primaryRays(camera, options.crop, sampleOffset(i));
       setTimes(rays, options.shutter, i, options.crop, options.size.width);
       std::vector<SurfaceHit> hits = traceClosest(scene, rays, threads);
       picture.add(rays, hits, threads);
-      if (i == 0 && (options.exr || options.speed))
-      {
+      if (i == 0 && (options.exr || options.speed)) {
         firstRays = std::move(rays);
         firstHits = std::move(hits);
       }
@@ -100,8 +94,7 @@ void render(const Options& options, const std::string& file, const std::string& 
   PictureFiles files(options.output, name, options.size, options.crop, options.colors, options.samples);
   const Representation representation{RepresentationKind(scene.geometries()[0].compression)};
   const std::string path = files.writePicture(representation, picture.image());
-  if (options.exr)
-    files.writeExr(representation, picture.linear(), firstRays, firstHits);
+  if (options.exr) files.writeExr(representation, picture.linear(), firstRays, firstHits);
   char line[256];
   std::snprintf(line, sizeof(line),
                 "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms, rendered in "
@@ -110,10 +103,8 @@ void render(const Options& options, const std::string& file, const std::string& 
                 double(scene.bytes()) / (1 << 20), 1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay),
                 pictureSeconds, double(scene.liveBytes()) / (1 << 20));
   writeStandardOutput(path + "\n" + file + ": " + line);
-  if (options.speed)
-    json["speed"] = speedJson(measureSpeed(options, name, scene, firstRays, firstHits));
-  if (options.json.empty())
-    return;
+  if (options.speed) json["speed"] = speedJson(measureSpeed(options, name, scene, firstRays, firstHits));
+  if (options.json.empty()) return;
   json.update({{"file", file},
                {"geometries", scene.geometries().size()},
                {"quads", scene.quads()},
@@ -128,14 +119,12 @@ void render(const Options& options, const std::string& file, const std::string& 
 
 } // namespace
 
-void renderSavedScene(const Options& options)
-{
+void renderSavedScene(const Options& options) {
   const std::string name = std::filesystem::path(options.loadPath).stem().string();
   render(options, options.loadPath, name, nullptr, {}, nlohmann::json::object());
 }
 
-void saveAndRender(const Options& options, const ModelView& view)
-{
+void saveAndRender(const Options& options, const ModelView& view) {
   const FileBuildReport built = buildToFile(view.model, options.representations[0], view.build, options.savePath);
   printWarnings("cbvh_render", seamWarnings(view.model, built.seams));
   char line[256];

@@ -25,8 +25,7 @@ using RaySets = std::vector<Ray>[numRaySets];
 void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary,
                  const std::vector<SurfaceHit>& hits, RaySets& sets);
 
-struct Speed
-{
+struct Speed {
   double mrays = 0;             // median of millions of rays per second
   std::optional<double> toGrid; // quotient of `mrays` and GRID's; unset without GRID
   double difference = 0;        // of the rounds, as a fraction
@@ -39,8 +38,7 @@ using Speeds = std::array<std::array<Speed, numQueries>, numRaySets>;
 
 nlohmann::json speedJson(const Speeds& speeds);
 
-class InterleavedSpeed
-{
+class InterleavedSpeed {
 public:
   /* Returns the seconds of tracing all rays once. */
   using Timer = std::function<double(const TracedScene&, const std::vector<Ray>&, const TraceSettings&)>;

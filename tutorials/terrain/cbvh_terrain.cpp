@@ -23,45 +23,35 @@
 #include <filesystem>
 #include <memory>
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-void check(CbvhError error)
-{
-  if (error != CBVH_OK)
-    throw Error(std::string("libembree_cbvh: ") + cbvhGetErrorText());
+void check(CbvhError error) {
+  if (error != CBVH_OK) throw Error(std::string("libembree_cbvh: ") + cbvhGetErrorText());
 }
 
-class CompressedTerrain
-{
+class CompressedTerrain {
 public:
   /* spacing: of the lattice that contains all vertices, or 0. */
-  CompressedTerrain(int threads, float spacing)
-  {
+  CompressedTerrain(int threads, float spacing) {
     check(cbvhNewContext(("threads=" + std::to_string(threads)).c_str(), nullptr, nullptr, &context));
     /* All tiles use the same spacing, so that shared vertices are the same floats. The default depends on each grid's
      * quads and would leave cracks. */
     accuracy.maxError = spacing;
   }
-  ~CompressedTerrain()
-  {
+  ~CompressedTerrain() {
     cbvhReleaseGroup(group);
-    for (CbvhSurface surface : surfaces)
-      cbvhReleaseSurface(surface);
+    for (CbvhSurface surface : surfaces) cbvhReleaseSurface(surface);
     cbvhReleaseContext(context);
   }
   CompressedTerrain(const CompressedTerrain&) = delete;
   CompressedTerrain& operator=(const CompressedTerrain&) = delete;
 
   /* Vertices may be freed afterwards. */
-  void add(const TerrainTile& tile)
-  {
+  void add(const TerrainTile& tile) {
     surfaces.push_back(nullptr);
     check(cbvhNewSurface(context, &surfaces.back()));
-    if (accuracy.maxError > 0)
-      check(cbvhSetSurfaceAccuracy(surfaces.back(), &accuracy));
-    else
-      check(cbvhSetSurfaceLossless(surfaces.back(), 1));
+    if (accuracy.maxError > 0) check(cbvhSetSurfaceAccuracy(surfaces.back(), &accuracy));
+    else check(cbvhSetSurfaceLossless(surfaces.back(), 1));
     const CbvhGrid grid = {0, unsigned(tile.width), (unsigned short)tile.width, (unsigned short)tile.height};
     const float* const steps[1] = {&tile.vertices[0].x};
     CbvhGrids grids = CbvhGrids();
@@ -72,8 +62,7 @@ public:
     check(cbvhCommitSurface(surfaces.back(), nullptr, nullptr));
   }
 
-  void commit()
-  {
+  void commit() {
     check(cbvhNewGroup(context, surfaces.data(), surfaces.size(), &group));
     check(cbvhCommitGroup(group));
     check(cbvhGetGroupStatistics(group, &statistics));
@@ -94,13 +83,11 @@ private:
 
 /* Returns the largest distance by which a vertex moved. */
 template<typename Terrain>
-float build(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain)
-{
+float build(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain) {
   Phase phase("building tiles");
   float moved = 0;
   for (int y0 = 0; y0 < elevation.height() - 1; y0 += options.tile)
-    for (int x0 = 0; x0 < elevation.width() - 1; x0 += options.tile)
-    {
+    for (int x0 = 0; x0 < elevation.width() - 1; x0 += options.tile) {
       throwIfCanceled();
       const TerrainTile tile = makeTile(options, elevation, space, x0, y0);
       moved = std::max(moved, tile.moved);
@@ -115,26 +102,27 @@ float build(const Options& options, Elevation& elevation, const TerrainSpace& sp
  * elevation over all azimuths. Terrain without overhangs occludes every ray below the horizon. */
 template<typename Terrain>
 float skyViewFactor(const Options& options, const TerrainSpace& space, const Terrain& terrain, Vec3f from,
-                    size_t& rays)
-{
+                    size_t& rays) {
   double sum = 0;
-  for (int i = 0; i < options.azimuths; i++)
-  {
+  for (int i = 0; i < options.azimuths; i++) {
     // + 0.5, because rays along an axis would lie in the plane of a tile's border (if azimuths is a multiple of 4)
     const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths;
     const auto isOccluded = [&](double degrees) {
       rays++;
       const Vec3f direction = space.direction(azimuth, degrees * M_PI / 180);
       CbvhRay ray{};
-      ray.org_x = from.x; ray.org_y = from.y; ray.org_z = from.z;
-      ray.dir_x = direction.x; ray.dir_y = direction.y; ray.dir_z = direction.z;
+      ray.org_x = from.x;
+      ray.org_y = from.y;
+      ray.org_z = from.z;
+      ray.dir_x = direction.x;
+      ray.dir_y = direction.y;
+      ray.dir_z = direction.z;
       ray.tfar = INFINITY;
       ray.mask = ~0u;
       return terrain.isOccluded(ray);
     };
     double low = 0, high = isOccluded(0) ? 90 : 0;
-    while (high - low > options.accuracy)
-    {
+    while (high - low > options.accuracy) {
       const double middle = (low + high) / 2;
       (isOccluded(middle) ? low : high) = middle;
     }
@@ -145,25 +133,24 @@ float skyViewFactor(const Options& options, const TerrainSpace& space, const Ter
 }
 
 /* Warns if floats are so coarse at the samples' heights that rays cannot start at options.startHeight. */
-void warnIfRaised(const Options& options, const TerrainSpace& space, const std::vector<float>& heights)
-{
+void warnIfRaised(const Options& options, const TerrainSpace& space, const std::vector<float>& heights) {
   float most = 0;
   for (float height : heights)
-    if (std::isfinite(height))
-      most = std::max(most, space.rayHeight(height) - space.storedHeight(height));
+    if (std::isfinite(height)) most = std::max(most, space.rayHeight(height) - space.storedHeight(height));
   if (options.startHeight > 0 && most > 2 * options.startHeight)
-    printWarnings("cbvh_terrain", "rays start up to " + shortNumber(most) + " above the surface instead of "
-                  "--start-height " + shortNumber(options.startHeight) + ": floats are too coarse at these heights");
+    printWarnings("cbvh_terrain", "rays start up to " + shortNumber(most) +
+                                      " above the surface instead of "
+                                      "--start-height " +
+                                      shortNumber(options.startHeight) + ": floats are too coarse at these heights");
 }
 
 template<typename Terrain>
-void measure(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain)
-{
+void measure(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain) {
   float moved = 0;
   const double buildSeconds = secondsOf([&] { moved = build(options, elevation, space, terrain); });
   if (terrain.numQuads() == 0)
     throw Error(options.elevation.path + ": no quad has four valid samples: expected heights that are neither "
-                "missing nor huge");
+                                         "missing nor huge");
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   const double quads = double(terrain.numQuads()), mebibyte = 1 << 20;
@@ -182,8 +169,7 @@ void measure(const Options& options, Elevation& elevation, const TerrainSpace& s
     Phase phase("tracing horizons", Phase::PercentAndTimeLeft);
     parallelFor(factors.size(), 64, threadCount(options.threads), [&](size_t begin, size_t end) {
       size_t traced = 0;
-      for (size_t i = begin; i < end; i++)
-      {
+      for (size_t i = begin; i < end; i++) {
         const int x = x0 + int(i % size_t(w)), y = y0 + int(i / size_t(w));
         const Vec3f from = space.rayStart(x, y, heights[i]);
         factors[i] = std::isfinite(from.z) ? skyViewFactor(options, space, terrain, from, traced) : NAN;
@@ -195,8 +181,7 @@ void measure(const Options& options, Elevation& elevation, const TerrainSpace& s
   double sum = 0;
   size_t valid = 0;
   for (float factor : factors)
-    if (std::isfinite(factor))
-      sum += double(factor), valid++;
+    if (std::isfinite(factor)) sum += double(factor), valid++;
   const double million = double(rays) * 1e-6;
   std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; "
               "mean sky-view factor %.4f\n",
@@ -207,11 +192,9 @@ void measure(const Options& options, Elevation& elevation, const TerrainSpace& s
   writeImageFile(options.output, spec, OIIO::TypeDesc::FLOAT, factors.data());
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   Options options;
-  if (!parseOptions(options, argc, argv))
-    return 0;
+  if (!parseOptions(options, argc, argv)) return 0;
   installCancelHandler();
   Elevation elevation(options.elevation);
   requireNoInputFile(options.output);
@@ -219,15 +202,12 @@ int run(int argc, char** argv)
   const TerrainSpace space(options, elevation.height());
   if (options.embree.empty())
     measure(options, elevation, space, *std::make_unique<CompressedTerrain>(options.threads, space.spacing()));
-  else
-    measure(options, elevation, space, *std::make_unique<EmbreeTerrain>(options.embree));
+  else measure(options, elevation, space, *std::make_unique<EmbreeTerrain>(options.embree));
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_terrain", [=] { return cbvh::run(argc, argv); });
 }

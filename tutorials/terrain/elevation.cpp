@@ -24,15 +24,13 @@ constexpr int octaves = 7;
 constexpr int decodedRows = 256;
 
 /* Maps index i in a sequence of mirrored copies to an index in the raster of n samples. */
-int mirrored(int i, int n)
-{
+int mirrored(int i, int n) {
   const int period = 2 * (n - 1), index = i % period;
   return index < n ? index : period - index;
 }
 
 /* OpenImageIO would wait for a pipe's writer. */
-void requireNoPipe(const std::string& path)
-{
+void requireNoPipe(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (std::filesystem::exists(status) && std::filesystem::is_other(status))
@@ -41,8 +39,7 @@ void requireNoPipe(const std::string& path)
 
 } // namespace
 
-Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
-{
+Elevation::Elevation(const ElevationSettings& settings) : settings(settings) {
   requireNoPipe(settings.path);
   recordInputFile(settings.path);
   openPicture();
@@ -56,8 +53,7 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
                 ": expected at most 1000000 samples along each side");
 }
 
-void Elevation::openPicture()
-{
+void Elevation::openPicture() {
   const auto native = OIIO::ImageInput::open(settings.path);
   const auto unreadable = [&](const std::string& reason) {
     return Error(settings.path + ": cannot read this elevation raster: " + reason);
@@ -68,22 +64,19 @@ void Elevation::openPicture()
   picture = seekPicture(image, 0);
   if (picture < 0)
     throw unreadable(image.rejection().empty()
-                       ? "it contains only smaller copies or masks: expected at least one other image"
-                       : "image " + std::to_string(image.current_subimage()) + ": " + image.rejection());
-  if (!native->seek_subimage(picture, 0))
-    throw unreadable(native->geterror());
+                         ? "it contains only smaller copies or masks: expected at least one other image"
+                         : "image " + std::to_string(image.current_subimage()) + ": " + image.rejection());
+  if (!native->seek_subimage(picture, 0)) throw unreadable(native->geterror());
   selectChannels(native->spec().format);
 }
 
 /* Never takes one of several channels for the heights unless the caller says so. */
-void Elevation::selectChannels(OIIO::TypeDesc type)
-{
+void Elevation::selectChannels(OIIO::TypeDesc type) {
   const OIIO::ImageSpec& spec = image.spec();
   const std::string names = listOfChannels(spec.channelnames);
-  const std::string found = std::to_string(spec.nchannels) + (spec.nchannels == 1 ? " channel (" : " channels (") +
-                            names + ")";
-  if (settings.encoding != HeightEncoding::Plain)
-  {
+  const std::string found =
+      std::to_string(spec.nchannels) + (spec.nchannels == 1 ? " channel (" : " channels (") + names + ")";
+  if (settings.encoding != HeightEncoding::Plain) {
     if (spec.nchannels < 3 || type != OIIO::TypeDesc::UINT8)
       throw Error(settings.path + ": the raster has " + found + " of type " + type.c_str() +
                   ": expected red, green and blue of type uint8 for --encoding");
@@ -94,78 +87,67 @@ void Elevation::selectChannels(OIIO::TypeDesc type)
   if (channel < 0)
     throw Error(settings.path + ": unknown --channel '" + settings.channel + "': expected one of " + names);
   if (settings.channel.empty() && spec.nchannels > 1)
-    throw Error(settings.path + ": the raster has " + found + ": expected one channel, the heights; --channel selects "
+    throw Error(settings.path + ": the raster has " + found +
+                ": expected one channel, the heights; --channel selects "
                 "one of several, --encoding decodes heights from colors");
   unit = image.unit();
   image.setChannelRange({channel, 1, NAN});
 }
 
 /* Repeated rasters are small and are read completely. */
-void Elevation::readRows(int begin, int end)
-{
-  if (settings.repeatX > 1 || settings.repeatY > 1)
-  {
+void Elevation::readRows(int begin, int end) {
+  if (settings.repeatX > 1 || settings.repeatY > 1) {
     begin = 0;
     end = sourceHeight;
   }
-  if (begin >= firstRow && end <= firstRow + int(rows.size() / size_t(sourceWidth)))
-    return;
+  if (begin >= firstRow && end <= firstRow + int(rows.size() / size_t(sourceWidth))) return;
   rows.resize(size_t(sourceWidth) * size_t(end - begin));
   firstRow = begin;
-  if (settings.encoding == HeightEncoding::Plain)
-    readChannels(begin, end, channel, channel + 1, rows.data());
+  if (settings.encoding == HeightEncoding::Plain) readChannels(begin, end, channel, channel + 1, rows.data());
   else
     for (int y = begin; y < end; y += decodedRows)
       decodeRows(y, std::min(y + decodedRows, end), &rows[size_t(y - begin) * size_t(sourceWidth)]);
-  for (float& height : rows)
-  {
+  for (float& height : rows) {
     height = unit == 1 ? height : std::round(height * unit);
-    if (settings.nodata && height == *settings.nodata)
-      height = NAN;
+    if (settings.nodata && height == *settings.nodata) height = NAN;
   }
 }
 
-void Elevation::readChannels(int begin, int end, int firstChannel, int lastChannel, float* out)
-{
+void Elevation::readChannels(int begin, int end, int firstChannel, int lastChannel, float* out) {
   if (!image.read_scanlines(picture, 0, begin, end, 0, firstChannel, lastChannel, OIIO::TypeDesc::FLOAT, out))
     throw Error(settings.path + ": cannot read rows of this elevation raster: " + image.geterror());
 }
 
-void Elevation::decodeRows(int begin, int end, float* out)
-{
+void Elevation::decodeRows(int begin, int end, float* out) {
   const size_t channels = size_t(image.spec().nchannels), count = size_t(sourceWidth) * size_t(end - begin);
   const int alpha = image.spec().alpha_channel;
   std::vector<float> colors(count * channels);
   readChannels(begin, end, 0, int(channels), colors.data());
-  for (size_t i = 0; i < count; i++)
-  {
+  for (size_t i = 0; i < count; i++) {
     const float* const color = &colors[i * channels];
     out[i] = alpha >= 0 && color[alpha] == 0 ? NAN : decodeHeight(settings.encoding, color);
   }
 }
 
-float Elevation::noiseAt(int x, int y) const
-{
+float Elevation::noiseAt(int x, int y) const {
   float sum = 0, amplitude = settings.noiseHeight, frequency = 1 / longestWave;
   for (int octave = 0; octave < octaves; octave++, amplitude *= 0.5f, frequency *= 2)
     sum += amplitude * gradientNoise({float(x) * frequency, float(y) * frequency, 0.5f}, uint32_t(octave));
   return sum;
 }
 
-std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned threads)
-{
+std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned threads) {
   const bool isRepeated = settings.repeatX > 1 || settings.repeatY > 1;
   readRows(y0, y0 + h);
   std::vector<float> heights(size_t(w) * size_t(h));
   parallelFor(size_t(h), 16, threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; row++)
-      for (int column = 0; column < w; column++)
-      {
+      for (int column = 0; column < w; column++) {
         const int x = x0 + column, y = y0 + int(row);
-        const size_t index = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth)
-            + size_t(mirrored(x, sourceWidth));
-        heights[row * size_t(w) + size_t(column)] = rows[index]
-            + (isRepeated && settings.noiseHeight > 0 ? noiseAt(x, y) : 0);
+        const size_t index =
+            size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth) + size_t(mirrored(x, sourceWidth));
+        heights[row * size_t(w) + size_t(column)] =
+            rows[index] + (isRepeated && settings.noiseHeight > 0 ? noiseAt(x, y) : 0);
       }
   });
   return heights;

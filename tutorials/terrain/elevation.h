@@ -15,18 +15,16 @@
 
 namespace cbvh {
 
-struct ElevationSettings
-{
+struct ElevationSettings {
   std::string path;
-  std::string channel;          // name or number; empty: the raster's only channel
+  std::string channel; // name or number; empty: the raster's only channel
   HeightEncoding encoding = HeightEncoding::Plain;
   std::optional<float> nodata;  // height of missing samples, in addition to NaN, -3.4e38 and GDAL's tag
   int repeatX = 1, repeatY = 1; // copies along x and y
   float noiseHeight = 0;        // of the largest features of the noise, in the raster's unit
 };
 
-class Elevation
-{
+class Elevation {
 public:
   /* Reads the first image that is no smaller copy and no mask. Throws Error with the path. */
   explicit Elevation(const ElevationSettings& settings);
@@ -51,7 +49,7 @@ private:
   MapImage image;
   int picture = 0; // number of the image in its file
   int channel = 0; // of plain heights
-  float unit = 1; // of a file's sample, because MapImage maps integers to -1..1 or 0..1
+  float unit = 1;  // of a file's sample, because MapImage maps integers to -1..1 or 0..1
   int sourceWidth = 0, sourceHeight = 0;
   int firstRow = 0;
   std::vector<float> rows; // from firstRow on

@@ -14,8 +14,7 @@
 
 namespace cbvh {
 
-class EmbreeTerrain
-{
+class EmbreeTerrain {
 public:
   /* `kernel` is "grid", "quad" or "triangle". */
   explicit EmbreeTerrain(const std::string& kernel);

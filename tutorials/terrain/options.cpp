@@ -9,8 +9,7 @@
 namespace cbvh {
 namespace {
 
-void parseCopies(const std::string& text, ElevationSettings& elevation)
-{
+void parseCopies(const std::string& text, ElevationSettings& elevation) {
   constexpr float most = 1e6f;
   const Vec2f copies = parseRepeat(text);
   if (copies.x > most || copies.y > most || std::round(copies.x) != copies.x || std::round(copies.y) != copies.y)
@@ -19,57 +18,58 @@ void parseCopies(const std::string& text, ElevationSettings& elevation)
   elevation.repeatY = int(copies.y);
 }
 
-HeightEncoding parseEncoding(const std::string& text)
-{
-  if (text == "terrarium")
-    return HeightEncoding::Terrarium;
-  if (text == "mapbox")
-    return HeightEncoding::Mapbox;
+HeightEncoding parseEncoding(const std::string& text) {
+  if (text == "terrarium") return HeightEncoding::Terrarium;
+  if (text == "mapbox") return HeightEncoding::Mapbox;
   throw Error("invalid --encoding '" + text + "': expected terrarium or mapbox");
 }
 
 } // namespace
 
-bool parseOptions(Options& options, int argc, char** argv)
-{
+bool parseOptions(Options& options, int argc, char** argv) {
   std::string repeat, encoding;
   CLI::App app("Computes the sky-view factor of each sample of an elevation raster. Traces horizons through the "
-               "compressed terrain. All lengths have the unit of the raster's heights.", "cbvh_terrain");
-  app.add_option("raster", options.elevation.path,
-      "elevation raster that OpenImageIO reads: 16-bit, signed or float")->type_name("FILE")->required();
-  app.add_option("--output", options.output,
-      "sky-view factors: float in TIFF or EXR, 16-bit in PNG")->type_name("FILE")->capture_default_str();
+               "compressed terrain. All lengths have the unit of the raster's heights.",
+               "cbvh_terrain");
+  app.add_option("raster", options.elevation.path, "elevation raster that OpenImageIO reads: 16-bit, signed or float")
+      ->type_name("FILE")
+      ->required();
+  app.add_option("--output", options.output, "sky-view factors: float in TIFF or EXR, 16-bit in PNG")
+      ->type_name("FILE")
+      ->capture_default_str();
   app.add_option("--cell", options.cell, "distance between samples")->capture_default_str();
-  app.add_option("--channel", options.elevation.channel,
-      "name or number of the channel of heights [the only one]")->type_name("NAME|N");
+  app.add_option("--channel", options.elevation.channel, "name or number of the channel of heights [the only one]")
+      ->type_name("NAME|N");
   app.add_option("--encoding", encoding,
-      "decode heights in meters from the colors of map tiles: terrarium, or mapbox for Mapbox's Terrain-RGB; samples "
-      "whose alpha is 0 are missing")->type_name("terrarium|mapbox");
-  app.add_option("--nodata", options.elevation.nodata,
-      "height of missing samples, in addition to NaN and GDAL's tag");
+                 "decode heights in meters from the colors of map tiles: terrarium, or mapbox for Mapbox's "
+                 "Terrain-RGB; samples "
+                 "whose alpha is 0 are missing")
+      ->type_name("terrarium|mapbox");
+  app.add_option("--nodata", options.elevation.nodata, "height of missing samples, in addition to NaN and GDAL's tag");
   app.add_option("--height-repeat", repeat, "copies of the raster, every other one mirrored; N, or columns x rows [1]")
       ->type_name("N|NxM");
   app.add_option("--noise-height", options.elevation.noiseHeight,
-      "height of noise that makes copies differ [4 cells, 0 without --height-repeat]");
-  app.add_option("--crop", options.crop,
-      "x0,y0,x1,y1: part to compute, columns x0 to x1-1 and rows y0 to y1-1 [all]")->expected(4)->delimiter(',');
+                 "height of noise that makes copies differ [4 cells, 0 without --height-repeat]");
+  app.add_option("--crop", options.crop, "x0,y0,x1,y1: part to compute, columns x0 to x1-1 and rows y0 to y1-1 [all]")
+      ->expected(4)
+      ->delimiter(',');
   app.add_option("--azimuths", options.azimuths, "directions per sample")
-      ->capture_default_str()->check(CLI::Range(1, 3600));
-  app.add_option("--accuracy", options.accuracy,
-      "accuracy of horizons in degrees, 0.001 to 10")->capture_default_str();
+      ->capture_default_str()
+      ->check(CLI::Range(1, 3600));
+  app.add_option("--accuracy", options.accuracy, "accuracy of horizons in degrees, 0.001 to 10")->capture_default_str();
   app.add_option("--max-error", options.maxError,
-      "largest spacing of the lattice on which heights are stored, 0 for lossless [1/128 of a cell]");
+                 "largest spacing of the lattice on which heights are stored, 0 for lossless [1/128 of a cell]");
   app.add_option("--start-height", options.startHeight,
-      "height above the stored surface at which rays start [1/64 of a cell]");
+                 "height above the stored surface at which rays start [1/64 of a cell]");
   app.add_option("--tile", options.tile, "quads per side of a tile")
-      ->capture_default_str()->check(CLI::Range(16, 16000));
+      ->capture_default_str()
+      ->check(CLI::Range(16, 16000));
   app.add_option("--threads", options.threads, "number of threads, 0 for all")
-      ->capture_default_str()->check(CLI::Range(0, 1024));
-  app.add_option("--embree", options.embree,
-      "trace an uncompressed terrain with this kernel of Embree instead")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--embree", options.embree, "trace an uncompressed terrain with this kernel of Embree instead")
       ->check(CLI::IsMember({"grid", "quad", "triangle"}));
-  if (!parseCommandLine(app, argc, argv))
-    return false;
+  if (!parseCommandLine(app, argc, argv)) return false;
   requireNotNegative("--noise-height", options.elevation.noiseHeight);
   requireNotNegative("--max-error", options.maxError);
   requireNotNegative("--start-height", options.startHeight);
@@ -77,33 +77,26 @@ bool parseOptions(Options& options, int argc, char** argv)
     throw Error("invalid --cell " + shortNumber(options.cell) + ": expected a finite length above 0");
   if (!(options.accuracy >= 0.001f && options.accuracy <= 10.0f))
     throw Error("invalid --accuracy " + shortNumber(options.accuracy) + ": expected 0.001 to 10 degrees");
-  if (options.output.empty())
-    throw Error("invalid --output '': expected the name of a file");
+  if (options.output.empty()) throw Error("invalid --output '': expected the name of a file");
   requireImageFormat(options.output);
   requireWritable({{"--output", options.output}});
-  if (!app.count("--max-error"))
-    options.maxError = options.cell / 128;
-  if (!app.count("--start-height"))
-    options.startHeight = options.cell / 64;
-  if (app.count("--encoding"))
-    options.elevation.encoding = parseEncoding(encoding);
+  if (!app.count("--max-error")) options.maxError = options.cell / 128;
+  if (!app.count("--start-height")) options.startHeight = options.cell / 64;
+  if (app.count("--encoding")) options.elevation.encoding = parseEncoding(encoding);
   if (app.count("--encoding") && app.count("--channel"))
-    throw Error("invalid --channel '" + options.elevation.channel + "': expected none with --encoding, which reads "
+    throw Error("invalid --channel '" + options.elevation.channel +
+                "': expected none with --encoding, which reads "
                 "red, green and blue");
-  if (app.count("--height-repeat"))
-    parseCopies(repeat, options.elevation);
-  if (app.count("--height-repeat") && !app.count("--noise-height"))
-    options.elevation.noiseHeight = 4 * options.cell;
+  if (app.count("--height-repeat")) parseCopies(repeat, options.elevation);
+  if (app.count("--height-repeat") && !app.count("--noise-height")) options.elevation.noiseHeight = 4 * options.cell;
   return true;
 }
 
-void setCrop(Options& options, const Elevation& elevation)
-{
+void setCrop(Options& options, const Elevation& elevation) {
   std::vector<int>& crop = options.crop;
-  if (crop.empty())
-    crop = {0, 0, elevation.width(), elevation.height()};
-  if (crop[0] < 0 || crop[1] < 0 || crop[2] <= crop[0] || crop[3] <= crop[1] || crop[2] > elevation.width()
-      || crop[3] > elevation.height())
+  if (crop.empty()) crop = {0, 0, elevation.width(), elevation.height()};
+  if (crop[0] < 0 || crop[1] < 0 || crop[2] <= crop[0] || crop[3] <= crop[1] || crop[2] > elevation.width() ||
+      crop[3] > elevation.height())
     throw Error("invalid --crop " + std::to_string(crop[0]) + "," + std::to_string(crop[1]) + "," +
                 std::to_string(crop[2]) + "," + std::to_string(crop[3]) + ": expected a part of 0,0," +
                 std::to_string(elevation.width()) + "," + std::to_string(elevation.height()) +

@@ -14,8 +14,7 @@
 
 namespace cbvh {
 
-class TerrainSpace
-{
+class TerrainSpace {
 public:
   /* rows: of the raster. Heights are rounded unless options.embree is set. */
   TerrainSpace(const Options& options, int rows);
@@ -42,7 +41,7 @@ private:
 
   int rows;
   double cell;
-  float step;          // between stored columns and rows
+  float step; // between stored columns and rows
   float heightSpacing;
   float startHeight;
 };

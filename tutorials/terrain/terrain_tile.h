@@ -14,8 +14,7 @@
 
 namespace cbvh {
 
-struct TerrainTile
-{
+struct TerrainTile {
   int width, height;           // in vertices
   std::vector<Vec3f> vertices; // by rows, plus one, because libraries may read 16 bytes per vertex
   float moved = 0;             // largest distance of a stored height from the sample

@@ -10,20 +10,16 @@
 #include "programs/run_program.h"
 #include "programs/warnings.h"
 
-namespace cbvh {
-namespace {
+namespace cbvh { namespace {
 
-void writeOutput(const ViewerOptions& options)
-{
+void writeOutput(const ViewerOptions& options) {
   Worker worker;
   Document document(loadModel(options.scene, options), options, worker);
   printWarnings("cbvh_viewer", document.loaded->warnings + motionWarnings(document.model(), options.representations));
   const int level = options.autoLevel ? autoLevel : options.build.level;
   ViewState state{options.representations, level, options.mode, std::nullopt};
-  if (options.autoLevel && !document.model().isMesh)
-    state.camera = document.loaded->start;
-  if (!document.loaded->saved)
-    document.store.request(state.scenes());
+  if (options.autoLevel && !document.model().isMesh) state.camera = document.loaded->start;
+  if (!document.loaded->saved) document.store.request(state.scenes());
   document.store.finish();
   printWarnings("cbvh_viewer", seamWarnings(document.model(), document.store.largestSeamGap()));
   PictureSettings settings;
@@ -33,28 +29,21 @@ void writeOutput(const ViewerOptions& options)
   settings.samples = options.samples;
   settings.time = options.time;
   const Image image = renderPicture(*document.loaded->start, findPanes(state, document), settings);
-  if (document.loaded->saved)
-    document.loaded->saved->check();
+  if (document.loaded->saved) document.loaded->saved->check();
   writePng(options.output, image);
 }
 
-int run(int argc, char** argv)
-{
+int run(int argc, char** argv) {
   const std::optional<ViewerOptions> options = parseViewerOptions(argc, argv);
-  if (!options)
-    return 0;
+  if (!options) return 0;
   installCancelHandler();
-  if (options->noWindow)
-    writeOutput(*options);
-  else
-    showWindow(*options);
+  if (options->noWindow) writeOutput(*options);
+  else showWindow(*options);
   return 0;
 }
 
-} // namespace
-} // namespace cbvh
+}} // namespace cbvh
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   return cbvh::runProgram("cbvh_viewer", [=] { return cbvh::run(argc, argv); });
 }

@@ -14,11 +14,10 @@
 
 namespace cbvh {
 
-struct LoadedModel
-{
-  SceneSettings source;                // has an amplitude or scale, see withDefaultAmplitude
+struct LoadedModel {
+  SceneSettings source; // has an amplitude or scale, see withDefaultAmplitude
   Model model;
-  std::string warnings;                // one per line
+  std::string warnings; // one per line
   std::optional<Camera> start;
   std::unique_ptr<BuiltScene> preview; // GRID at a low level on the CPU; null for files
   std::unique_ptr<SavedScene> saved;   // null for models
@@ -31,11 +30,10 @@ struct LoadedModel
  * Throws Error. */
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
 
-struct Document
-{
+struct Document {
   Document(std::unique_ptr<const LoadedModel> loaded, const ViewerOptions& options, Worker& worker)
-    : loaded(std::move(loaded)), store(this->loaded->model, options.build, worker)
-  {
+    : loaded(std::move(loaded)),
+      store(this->loaded->model, options.build, worker) {
     ViewDicing dicing;
     dicing.quadSize = options.quadSize;
     store.setDicing(dicing, options.maxPixelError);

@@ -9,16 +9,14 @@ namespace cbvh {
 namespace {
 
 /* Removes rows from the top of `rest` and returns them; at least one row remains. */
-Rectangle splitRows(Rectangle& rest, int rows)
-{
+Rectangle splitRows(Rectangle& rest, int rows) {
   const Rectangle part{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};
   rest.y += part.height;
   rest.height -= part.height;
   return part;
 }
 
-Rectangle splitColumns(Rectangle& rest, int columns)
-{
+Rectangle splitColumns(Rectangle& rest, int columns) {
   const Rectangle part{rest.x, rest.y, columns, rest.height};
   rest.x += columns;
   rest.width -= columns;
@@ -27,20 +25,14 @@ Rectangle splitColumns(Rectangle& rest, int columns)
 
 } // namespace
 
-WindowLayout computeLayout(ImageSize window, PanelState panel, bool split)
-{
+WindowLayout computeLayout(ImageSize window, PanelState panel, bool split) {
   WindowLayout layout;
   layout.picture = {0, 0, window.width, window.height};
-  if (panel == PanelState::Hidden)
-    return layout;
-  if (panel == PanelState::Folded)
-    layout.panel = splitRows(layout.picture, barHeight);
-  else if (window.width >= 2 * panelWidth)
-    layout.panel = splitColumns(layout.picture, panelWidth);
-  else
-    layout.panel = splitRows(layout.picture, window.height / 2);
-  if (split)
-    layout.captions = splitRows(layout.picture, barHeight);
+  if (panel == PanelState::Hidden) return layout;
+  if (panel == PanelState::Folded) layout.panel = splitRows(layout.picture, barHeight);
+  else if (window.width >= 2 * panelWidth) layout.panel = splitColumns(layout.picture, panelWidth);
+  else layout.panel = splitRows(layout.picture, window.height / 2);
+  if (split) layout.captions = splitRows(layout.picture, barHeight);
   return layout;
 }
 

@@ -11,20 +11,17 @@
 
 namespace cbvh {
 
-struct Rectangle
-{
+struct Rectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-enum class PanelState
-{
+enum class PanelState {
   Open,
   Folded, // its title bar
   Hidden, // neither panel nor captions
 };
 
-struct WindowLayout
-{
+struct WindowLayout {
   Rectangle panel;    // empty if hidden
   Rectangle captions; // of a split screen; otherwise empty
   Rectangle picture;  // at least a pixel

@@ -10,8 +10,7 @@
 
 namespace cbvh {
 
-class Panel
-{
+class Panel {
 public:
   explicit Panel(Viewer& viewer, unsigned threads) : viewer(viewer), threads(threads) {}
 

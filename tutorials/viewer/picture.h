@@ -17,8 +17,7 @@
 
 namespace cbvh {
 
-enum class PictureMode
-{
+enum class PictureMode {
   Shading, // two lights
   Normals, // geometric, in world space: x, y, z as red, green, blue
   Error,   // distance from GRID's hit in pixels, as in the paper's figure 10
@@ -33,28 +32,26 @@ constexpr PictureMode allPictureModes[] = {PictureMode::Shading, PictureMode::No
 const char* pictureModeName(PictureMode mode);
 
 /* A part of the picture. */
-struct Pane
-{
+struct Pane {
   Pane() = default;
   explicit Pane(const BuiltScene* built, const BuiltScene* reference = nullptr)
-    : scene(built), built(built), reference(reference)
-  {
-  }
+    : scene(built),
+      built(built),
+      reference(reference) {}
   explicit Pane(const SavedScene* saved) : scene(saved), saved(saved) {}
 
   /* Errors need a reference; cells and blocks need a model. */
   bool canShow(PictureMode mode) const;
 
   const TracedScene* scene = nullptr;
-  const BuiltScene* built = nullptr;     // either built or saved is the scene
+  const BuiltScene* built = nullptr; // either built or saved is the scene
   const SavedScene* saved = nullptr;
   const BuiltScene* reference = nullptr; // GRID at the same level, for PictureMode::Error only
 };
 
 /* One ray per pixel. */
-struct PaneReport
-{
-  size_t rays = 0;                  // including misses
+struct PaneReport {
+  size_t rays = 0; // including misses
   size_t hits = 0;
   double seconds = 0;               // for all rays on all threads
   double median = 0, p99 = 0;       // errors in pixels, where both hit
@@ -64,8 +61,7 @@ struct PaneReport
   double mhits() const { return seconds > 0 ? double(hits) * 1e-6 / seconds : 0.0; }
 };
 
-struct PictureSettings
-{
+struct PictureSettings {
   PictureMode mode = PictureMode::Shading;
   Vec3f up{0, 1, 0};
   float split = 0.5f; // where the right pane starts, as a fraction of the width
@@ -82,8 +78,7 @@ int splitColumn(ImageSize size, float split);
 int effectiveFrameLevel(const Representation& representation, unsigned resolution);
 
 /* Rendered sample by sample. The first sample is through the centers of pixels, and all figures belong to it. */
-class Picture
-{
+class Picture {
 public:
   /* One pane, or two with a white line between. Their scenes must outlive the last call of addSample. */
   Picture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);

@@ -24,8 +24,7 @@ constexpr int autoLevel = -1; // rates by a view
 /* "auto", or the number. */
 std::string levelText(int level);
 
-struct SceneKey
-{
+struct SceneKey {
   Representation representation;
   int level = 6;
   std::optional<Camera> camera; // only for autoLevel, except meshes and triangles
@@ -38,15 +37,13 @@ bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b);
 bool operator==(const SceneKey& a, const SceneKey& b);
 inline bool operator!=(const SceneKey& a, const SceneKey& b) { return !(a == b); }
 
-class SceneStore
-{
+class SceneStore {
 public:
   /* The key's level replaces the settings' level. Model and worker must outlive the store. */
   SceneStore(const Model& model, const BuildSettings& settings, Worker& worker);
 
   /* Settings for autoLevel. `maxPixelError` bounds the spacing of cVERT, 0 for no bound. */
-  void setDicing(const ViewDicing& newDicing, float maxPixelError)
-  {
+  void setDicing(const ViewDicing& newDicing, float maxPixelError) {
     dicing = newDicing;
     pixelError = maxPixelError;
   }
@@ -72,8 +69,7 @@ public:
   const std::string& failure() const { return error; }
 
 private:
-  struct Entry
-  {
+  struct Entry {
     SceneKey key;
     std::unique_ptr<BuiltScene> scene;
   };

@@ -12,12 +12,11 @@
 
 namespace cbvh {
 
-struct ViewState
-{
+struct ViewState {
   std::vector<Representation> representations; // one, or two for a split screen
   int level = 6;                               // or autoLevel
   PictureMode mode = PictureMode::Shading;
-  std::optional<Camera> camera;                // for autoLevel; unset for meshes
+  std::optional<Camera> camera; // for autoLevel; unset for meshes
 
   SceneKey key(const Representation& r) const;
 

@@ -17,8 +17,7 @@
 
 namespace cbvh {
 
-class Viewer
-{
+class Viewer {
 public:
   /* Opens the scene of the options, if any. The options must outlive the viewer. */
   explicit Viewer(const ViewerOptions& options);
@@ -125,8 +124,7 @@ private:
   void requestScenes();
   void followCamera();
   void showSeamWarning();
-  bool needsCamera() const
-  {
+  bool needsCamera() const {
     return document && requested.level == autoLevel && !document->model().isMesh && !isFile();
   }
   std::vector<Pane> panesOrPreview() const;
@@ -136,9 +134,9 @@ private:
   const ViewerOptions& options;
   std::optional<SceneSettings> toLoad;
   bool loading = false;
-  SceneSettings beingLoaded; // if loading
+  SceneSettings beingLoaded;                 // if loading
   std::unique_ptr<const LoadedModel> loaded; // by the worker, which is destroyed first
-  Worker worker; // destroyed after the document, for which it builds
+  Worker worker;                             // destroyed after the document, for which it builds
   std::unique_ptr<Document> document;
 
   ViewState requested, shown;
@@ -147,8 +145,8 @@ private:
   float shownTime;
   std::optional<Viewpoint> viewpoint; // set with a model
   std::string upAxis = "y";
-  ViewHints hints;                    // rotated to the up axis
-  std::optional<ViewHints> framing;   // of a view of the whole model, until the user moves
+  ViewHints hints;                  // rotated to the up axis
+  std::optional<ViewHints> framing; // of a view of the whole model, until the user moves
   ImageSize framedSize;
 
   ImageSize size{1, 1};

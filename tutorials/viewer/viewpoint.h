@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-class Viewpoint
-{
+class Viewpoint {
 public:
   /* `up` is the model's; the camera never rolls. */
   Viewpoint(const Camera& camera, Vec3f up);

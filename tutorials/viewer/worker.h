@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-class Worker
-{
+class Worker {
 public:
   Worker() = default;
 
@@ -44,8 +43,7 @@ public:
   /* Cancels the task, if any, and waits for its end. */
   void stop();
 
-  struct Progress
-  {
+  struct Progress {
     std::string work;
     std::string phase;   // may be empty
     double fraction = 0; // of the phase, in [0,1]

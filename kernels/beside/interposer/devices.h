@@ -16,18 +16,15 @@ namespace interposer {
 
 /* Properties of objects that are identified by their handles. Thread-safe. Objects that were not added are ignored. */
 template<typename Properties>
-class Handles
-{
+class Handles {
 public:
   /* Adds a new object, to which the application holds one reference. */
-  void add(const void* handle, const Properties& properties)
-  {
+  void add(const void* handle, const Properties& properties) {
     const std::lock_guard<std::mutex> lock(mutex);
     entries[handle] = {properties, 1};
   }
 
-  void retain(const void* handle)
-  {
+  void retain(const void* handle) {
     const std::lock_guard<std::mutex> lock(mutex);
     const auto found = entries.find(handle);
     if (found != entries.end()) found->second.references++;
@@ -35,30 +32,26 @@ public:
 
   /* Removes the object with its last reference. Must be called before Embree releases the object: afterwards, a new
    * object can have the same handle. */
-  void release(const void* handle)
-  {
+  void release(const void* handle) {
     const std::lock_guard<std::mutex> lock(mutex);
     const auto found = entries.find(handle);
     if (found != entries.end() && --found->second.references == 0) entries.erase(found);
   }
 
   /* Returns the default for an unknown object. */
-  Properties propertiesOf(const void* handle) const
-  {
+  Properties propertiesOf(const void* handle) const {
     const std::lock_guard<std::mutex> lock(mutex);
     const auto found = entries.find(handle);
     return found == entries.end() ? Properties() : found->second.properties;
   }
 
-  size_t size() const
-  {
+  size_t size() const {
     const std::lock_guard<std::mutex> lock(mutex);
     return entries.size();
   }
 
 private:
-  struct Entry
-  {
+  struct Entry {
     Properties properties;
     size_t references;
   };
@@ -67,22 +60,19 @@ private:
   std::map<const void*, Entry> entries;
 };
 
-class Devices : public Handles<std::string>
-{
+class Devices : public Handles<std::string> {
 public:
   std::string settingsOf(const void* device) const { return propertiesOf(device); }
 };
 
-struct BufferSize
-{
+struct BufferSize {
   size_t bytes = SIZE_MAX; // unlimited for unknown buffers
 
   /* True if an item of the range is not completely in the buffer. stride: from item to item, in bytes. */
-  bool isExceededBy(size_t offset, size_t stride, size_t itemBytes, size_t count) const
-  {
+  bool isExceededBy(size_t offset, size_t stride, size_t itemBytes, size_t count) const {
     if (count == 0) return false;
     if (itemBytes > bytes || offset > bytes - itemBytes) return true;
-    return stride != 0 && count - 1 > (bytes - itemBytes - offset)/stride;
+    return stride != 0 && count - 1 > (bytes - itemBytes - offset) / stride;
   }
 };
 

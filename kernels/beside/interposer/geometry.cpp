@@ -16,16 +16,16 @@ namespace {
 /* Thrown if the application's progress function cancels a build. */
 struct Canceled {};
 
-const char* nameOf(RTCGeometryType type)
-{
-  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "subdivision" : type == RTC_GEOMETRY_TYPE_GRID ? "grid"
-    : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
+const char* nameOf(RTCGeometryType type) {
+  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "subdivision"
+         : type == RTC_GEOMETRY_TYPE_GRID      ? "grid"
+         : type == RTC_GEOMETRY_TYPE_QUAD      ? "quad"
+                                               : "triangle";
 }
 
 /* Returns a context of libembree_cbvh, which devices with the same settings share. It is never released. Throws
  * Unsupported. */
-CbvhContext contextOf(const std::string& settings)
-{
+CbvhContext contextOf(const std::string& settings) {
   static std::mutex& mutex = *new std::mutex;
   static std::map<std::string, CbvhContext>& contexts = *new std::map<std::string, CbvhContext>;
   const std::lock_guard<std::mutex> lock(mutex);
@@ -41,8 +41,7 @@ CbvhContext contextOf(const std::string& settings)
 } // namespace
 
 std::unique_ptr<Substituted> Substituted::make(RTCDevice device, const std::string& settings, RTCGeometry original,
-  RTCGeometryType type)
-{
+                                               RTCGeometryType type) {
   if (!REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED)) {
     warnOnce("all geometry is left to Embree, which was built without user geometry");
     return nullptr;
@@ -54,11 +53,13 @@ std::unique_ptr<Substituted> Substituted::make(RTCDevice device, const std::stri
   }
   data->original = original;
   const RTCGeometry substitute = newUserGeometry(device, data);
-  if (!substitute) { deleteSubstituteData(data); return nullptr; }
+  if (!substitute) {
+    deleteSubstituteData(data);
+    return nullptr;
+  }
   try {
     return std::unique_ptr<Substituted>(new Substituted(settings, original, type, data, substitute));
-  }
-  catch (...) {
+  } catch (...) {
     REAL(rtcReleaseGeometry)(substitute);
     deleteSubstituteData(data);
     throw;
@@ -66,56 +67,53 @@ std::unique_ptr<Substituted> Substituted::make(RTCDevice device, const std::stri
 }
 
 Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, SubstituteData* data,
-  RTCGeometry substitute)
-  : data(data), substitute(substitute), settings(settings)
-{
+                         RTCGeometry substitute)
+  : data(data),
+    substitute(substitute),
+    settings(settings) {
   input.type = type;
   input.original = original;
   input.userData = &data->userData;
   REAL(rtcRetainGeometry)(original);
 }
 
-Substituted::~Substituted()
-{
+Substituted::~Substituted() {
   discard();
   REAL(rtcReleaseGeometry)(substitute);
   REAL(rtcReleaseGeometry)(input.original);
   deleteSubstituteData(data);
 }
 
-void Substituted::discard()
-{
+void Substituted::discard() {
   if (data->group) cbvhReleaseGroup(data->group);
   if (surface) cbvhReleaseSurface(surface);
   data->group = nullptr;
   surface = nullptr;
 }
 
-void Substituted::setUserData(void* userData)
-{
+void Substituted::setUserData(void* userData) {
   data->userData = userData;
   change(input.displacement ? InputChange : AppearanceChange);
 }
 
 /* A commit without changes means that shared buffers have new contents. */
-void Substituted::commit()
-{
+void Substituted::commit() {
   if (changes != AppearanceChange) isCommitted = true;
   changes = 0;
   REAL(rtcCommitGeometry)(substitute);
 }
 
-bool Substituted::build(const Progress& progress)
-{
+bool Substituted::build(const Progress& progress) {
   const std::lock_guard<std::mutex> lock(building);
   if (!needsBuild()) return true;
   try {
     discard(); // frees the old surface before allocating the new one
     buildSurface(progress);
     isLeft = false;
-  }
-  catch (const Canceled&) { discard(); return false; }
-  catch (const std::exception& reason) {
+  } catch (const Canceled&) {
+    discard();
+    return false;
+  } catch (const std::exception& reason) {
     discard();
     isLeft = true;
     const bool isMemory = dynamic_cast<const std::bad_alloc*>(&reason);
@@ -126,10 +124,11 @@ bool Substituted::build(const Progress& progress)
   return true;
 }
 
-void Substituted::buildSurface(const Progress& progress)
-{
+void Substituted::buildSurface(const Progress& progress) {
   const CbvhContext context = contextOf(settings);
-  const auto check = [](CbvhError error) { if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText()); };
+  const auto check = [](CbvhError error) {
+    if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText());
+  };
   check(cbvhNewSurface(context, &surface));
   if (options().maxError == 0) check(cbvhSetSurfaceLossless(surface, 1));
   if (options().maxError > 0) {

@@ -21,12 +21,11 @@ namespace interposer {
 /* Called with the completed fraction, 0 to 1, by several threads at the same time. Returns false to cancel. */
 typedef std::function<bool(double)> Progress;
 
-class Substituted
-{
+class Substituted {
 public:
   /* Returns NULL if no substitute is possible. settings: of the context of libembree_cbvh. Throws std::bad_alloc. */
   static std::unique_ptr<Substituted> make(RTCDevice device, const std::string& settings, RTCGeometry original,
-    RTCGeometryType type);
+                                           RTCGeometryType type);
   ~Substituted();
   Substituted(const Substituted&) = delete;
   Substituted& operator=(const Substituted&) = delete;
@@ -54,7 +53,7 @@ public:
 
 private:
   Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, SubstituteData* data,
-    RTCGeometry substitute);
+              RTCGeometry substitute);
   void discard(); // releases the built surface and its group
   void buildSurface(const Progress& progress);
 

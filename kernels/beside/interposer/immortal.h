@@ -11,8 +11,7 @@ namespace interposer {
  * may call Embree before this library's initializers run. It needs no heap, and is never destroyed, because programs
  * call Embree until they end. Thread-safe. */
 template<typename T>
-T& immortal()
-{
+T& immortal() {
   alignas(T) static char storage[sizeof(T)];
   static T& object = *new (storage) T;
   return object;

@@ -12,22 +12,19 @@ namespace interposer {
 
 namespace {
 
-void check(CbvhError error)
-{
+void check(CbvhError error) {
   if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText());
 }
 
-void displace(const CbvhDisplacementArguments* args)
-{
+void displace(const CbvhDisplacementArguments* args) {
   const Input& input = *(const Input*)args->userPtr;
-  const RTCDisplacementFunctionNArguments embreeArgs = {*input.userData, input.original, args->primID, args->timeStep,
-                                                        args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
-                                                        args->P_x, args->P_y, args->P_z, args->count};
+  const RTCDisplacementFunctionNArguments embreeArgs = {
+      *input.userData, input.original, args->primID, args->timeStep, args->u,   args->v,    args->Ng_x,
+      args->Ng_y,      args->Ng_z,     args->P_x,    args->P_y,      args->P_z, args->count};
   input.displacement(&embreeArgs);
 }
 
-CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
-{
+CbvhBoundary boundaryOf(RTCSubdivisionMode mode) {
   switch (mode) {
   case RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY: return CBVH_BOUNDARY_SMOOTH;
   case RTC_SUBDIVISION_MODE_PIN_CORNERS: return CBVH_BOUNDARY_PIN_CORNERS;
@@ -39,18 +36,16 @@ CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
 
 /* A buffer as a contiguous array: a copy if its stride is not the size of an item. Empty if there is no buffer. */
 template<typename T>
-class Packed
-{
+class Packed {
 public:
   Packed() = default;
-  explicit Packed(const Buffer* buffer)
-  {
+  explicit Packed(const Buffer* buffer) {
     if (!buffer || !buffer->data || buffer->count == 0) return;
     count = buffer->count;
     data = (const T*)buffer->data;
     if (buffer->stride == sizeof(T)) return;
     copy.resize(count);
-    for (size_t i = 0; i < count; i++) std::memcpy(&copy[i], buffer->data + i*buffer->stride, sizeof(T));
+    for (size_t i = 0; i < count; i++) std::memcpy(&copy[i], buffer->data + i * buffer->stride, sizeof(T));
     data = copy.data();
   }
   Packed(Packed&&) = default;
@@ -63,22 +58,26 @@ private:
   std::vector<T> copy;
 };
 
-struct Pair { unsigned int first, second; };
-struct Corners3 { unsigned int v[3]; };
-struct Corners4 { unsigned int v[4]; };
+struct Pair {
+  unsigned int first, second;
+};
+struct Corners3 {
+  unsigned int v[3];
+};
+struct Corners4 {
+  unsigned int v[4];
+};
 
 } // namespace
 
-const Buffer* Input::find(RTCBufferType type, unsigned int slot) const
-{
+const Buffer* Input::find(RTCBufferType type, unsigned int slot) const {
   const auto found = buffers.find({type, slot});
   if (found == buffers.end()) return nullptr;
   if (found->second.isOutOfBounds) throw Unsupported("the range of one of its buffers is out of bounds");
   return &found->second;
 }
 
-CbvhVertices Input::vertices(std::vector<const float*>& steps) const
-{
+CbvhVertices Input::vertices(std::vector<const float*>& steps) const {
   CbvhVertices result = CbvhVertices();
   if (numTimeSteps == 0) throw Unsupported("it has no time steps");
   for (unsigned int i = 0; i < numTimeSteps; i++) {
@@ -97,24 +96,22 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
   return result;
 }
 
-void Input::applyTo(CbvhSurface surface) const
-{
+void Input::applyTo(CbvhSurface surface) const {
   if (isIncomplete) throw Unsupported("out of memory for one of its buffers");
   if (type == RTC_GEOMETRY_TYPE_SUBDIVISION) applyCage(surface);
   else if (type == RTC_GEOMETRY_TYPE_GRID) applyGrids(surface);
   else applyMesh(surface);
 }
 
-void Input::applyCage(CbvhSurface surface) const
-{
+void Input::applyCage(CbvhSurface surface) const {
   std::vector<const float*> steps;
   CbvhCage cage = CbvhCage();
   cage.vertices = vertices(steps);
 
   const Packed<unsigned int> faces(find(RTC_BUFFER_TYPE_FACE)), indices(find(RTC_BUFFER_TYPE_INDEX)),
-    holes(find(RTC_BUFFER_TYPE_HOLE)), corners(find(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX));
+      holes(find(RTC_BUFFER_TYPE_HOLE)), corners(find(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX));
   const Packed<float> levels(find(RTC_BUFFER_TYPE_LEVEL)), creaseWeights(find(RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT)),
-    cornerWeights(find(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT));
+      cornerWeights(find(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT));
   const Packed<Pair> creases(find(RTC_BUFFER_TYPE_EDGE_CREASE_INDEX));
   if (!faces.data || !indices.data) throw Unsupported("it has no faces or no indices");
   cage.numFaces = faces.count;
@@ -145,7 +142,8 @@ void Input::applyCage(CbvhSurface surface) const
   /* Embree rounds corners of any finite sharpness, from 10 on all like this one. In cbvh.h, 10 means infinity. */
   const float sharpest = std::nextafter(10.0f, 0.0f);
   std::vector<float> sharpness(cornerWeights.data, cornerWeights.data + cage.numCorners);
-  for (float& s : sharpness) if (std::isfinite(s)) s = std::min(s, sharpest);
+  for (float& s : sharpness)
+    if (std::isfinite(s)) s = std::min(s, sharpest);
   cage.cornerSharpness = sharpness.data();
   cage.numHoles = holes.count;
   cage.holes = holes.data;
@@ -156,8 +154,7 @@ void Input::applyCage(CbvhSurface surface) const
   check(cbvhSetSurfaceCage(surface, &cage));
 }
 
-void Input::applyGrids(CbvhSurface surface) const
-{
+void Input::applyGrids(CbvhSurface surface) const {
   static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
   std::vector<const float*> steps;
   const Packed<CbvhGrid> packed(find(RTC_BUFFER_TYPE_GRID));
@@ -169,8 +166,7 @@ void Input::applyGrids(CbvhSurface surface) const
   check(cbvhSetSurfaceGrids(surface, &grids));
 }
 
-void Input::applyMesh(CbvhSurface surface) const
-{
+void Input::applyMesh(CbvhSurface surface) const {
   std::vector<const float*> steps;
   CbvhMesh mesh = CbvhMesh();
   Packed<Corners3> triangles;

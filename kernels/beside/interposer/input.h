@@ -16,19 +16,19 @@
 namespace interposer {
 
 /* Thrown, with the reason, if a geometry cannot be compressed. Embree then traces it. */
-struct Unsupported : std::runtime_error { using std::runtime_error::runtime_error; };
+struct Unsupported : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /* A buffer that the application shares or that Embree owns. stride: in bytes. */
-struct Buffer
-{
+struct Buffer {
   RTCFormat format;
   const char* data;
   size_t stride, count;
-  bool isOutOfBounds = false;    // it ends past the RTCBuffer: some versions of Embree accept that, others reject it
+  bool isOutOfBounds = false; // it ends past the RTCBuffer: some versions of Embree accept that, others reject it
 };
 
-struct Input
-{
+struct Input {
   RTCGeometryType type;
   RTCGeometry original;
   void* const* userData;         // location of the application's user data, for displacement
@@ -38,7 +38,7 @@ struct Input
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
   RTCDisplacementFunctionN displacement = nullptr;
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
-  bool isIncomplete = false;     // memory ran out when a buffer was set
+  bool isIncomplete = false; // memory ran out when a buffer was set
 
   /* Sets a surface's cage, grids or mesh. Throws Unsupported or std::bad_alloc. This Input and its buffers must exist
    * until the surface is committed. */

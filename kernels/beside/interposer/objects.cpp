@@ -9,16 +9,14 @@ namespace interposer {
 
 typedef std::lock_guard<std::mutex> Lock;
 
-void Objects::addScene(RTCScene scene)
-{
+void Objects::addScene(RTCScene scene) {
   std::unique_ptr<Scene> added(new Scene);
   added->handle = scene;
   const Lock lock(mutex);
   scenes[scene] = std::move(added);
 }
 
-void Objects::addGeometry(RTCGeometry geometry, RTCGeometryType type, std::unique_ptr<Substituted> substituted)
-{
+void Objects::addGeometry(RTCGeometry geometry, RTCGeometryType type, std::unique_ptr<Substituted> substituted) {
   std::unique_ptr<Geometry> added(new Geometry); // destroyed after the lock if the map runs out of memory
   added->handle = geometry;
   added->type = type;
@@ -28,75 +26,64 @@ void Objects::addGeometry(RTCGeometry geometry, RTCGeometryType type, std::uniqu
 }
 
 template<typename Map>
-static auto findOrNull(const Map& map, typename Map::key_type handle)
-{
+static auto findOrNull(const Map& map, typename Map::key_type handle) {
   const auto found = map.find(handle);
   return found == map.end() ? nullptr : found->second.get();
 }
 
-Scene* Objects::find(RTCScene scene)
-{
+Scene* Objects::find(RTCScene scene) {
   const Lock lock(mutex);
   return findOrNull(scenes, scene);
 }
 
-Geometry* Objects::find(RTCGeometry geometry)
-{
+Geometry* Objects::find(RTCGeometry geometry) {
   const Lock lock(mutex);
   return findOrNull(geometries, geometry);
 }
 
-Substituted* Objects::findSubstituted(RTCGeometry geometry)
-{
+Substituted* Objects::findSubstituted(RTCGeometry geometry) {
   Geometry* const found = find(geometry);
   return found ? found->substituted.get() : nullptr;
 }
 
-void Objects::retain(RTCScene scene)
-{
+void Objects::retain(RTCScene scene) {
   const Lock lock(mutex);
   if (Scene* const found = findOrNull(scenes, scene)) found->references++;
 }
 
-void Objects::retain(RTCGeometry geometry)
-{
+void Objects::retain(RTCGeometry geometry) {
   const Lock lock(mutex);
   if (Geometry* const found = findOrNull(geometries, geometry)) found->references++;
 }
 
-void Objects::release(Geometry* geometry, Garbage& garbage)
-{
+void Objects::release(Geometry* geometry, Garbage& garbage) {
   if (--geometry->references > 0) return;
   garbage.geometries.insert(geometries.extract(geometry->handle));
   release(geometry->instanced.only, garbage);
   for (Scene* const scene : geometry->instanced.all) release(scene, garbage);
 }
 
-void Objects::release(Scene* scene, Garbage& garbage)
-{
+void Objects::release(Scene* scene, Garbage& garbage) {
   if (!scene || --scene->references > 0) return;
   garbage.scenes.insert(scenes.extract(scene->handle));
   for (const auto& attached : scene->attachments) release(attached.second.geometry, garbage);
 }
 
-Objects::Garbage Objects::release(RTCScene scene)
-{
+Objects::Garbage Objects::release(RTCScene scene) {
   const Lock lock(mutex);
   Garbage garbage;
   if (Scene* const found = findOrNull(scenes, scene)) release(found, garbage);
   return garbage;
 }
 
-Objects::Garbage Objects::release(RTCGeometry geometry)
-{
+Objects::Garbage Objects::release(RTCGeometry geometry) {
   const Lock lock(mutex);
   Garbage garbage;
   if (Geometry* const found = findOrNull(geometries, geometry)) release(found, garbage);
   return garbage;
 }
 
-void Objects::attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal)
-{
+void Objects::attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal) {
   const Lock lock(mutex);
   Scene* const target = findOrNull(scenes, scene);
   Geometry* const attached = findOrNull(geometries, geometry);
@@ -104,8 +91,7 @@ void Objects::attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, 
   attached->references++;
 }
 
-Objects::Garbage Objects::detach(RTCScene scene, unsigned int geomID)
-{
+Objects::Garbage Objects::detach(RTCScene scene, unsigned int geomID) {
   const Lock lock(mutex);
   Garbage garbage;
   Scene* const from = findOrNull(scenes, scene);
@@ -120,29 +106,25 @@ Objects::Garbage Objects::detach(RTCScene scene, unsigned int geomID)
 
 /* --- instances ----------------------------------------------------------------------------- */
 
-const Scene* InstancedScenes::find(unsigned int instPrimID) const
-{
+const Scene* InstancedScenes::find(unsigned int instPrimID) const {
   if (only || instPrimID >= indices.count) return only;
   unsigned int index;
-  std::memcpy(&index, indices.data + instPrimID*indices.stride, sizeof(index));
+  std::memcpy(&index, indices.data + instPrimID * indices.stride, sizeof(index));
   return index < all.size() ? all[index] : nullptr; // RTC_INVALID_GEOMETRY_ID: the instance has no scene
 }
 
-Scene* Objects::findAndRetain(RTCScene scene)
-{
+Scene* Objects::findAndRetain(RTCScene scene) {
   Scene* const found = findOrNull(scenes, scene);
   if (found) found->references++;
   return found;
 }
 
-Geometry* Objects::findArray(RTCGeometry geometry)
-{
+Geometry* Objects::findArray(RTCGeometry geometry) {
   Geometry* const found = findOrNull(geometries, geometry);
   return found && found->type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY ? found : nullptr;
 }
 
-Objects::Garbage Objects::setInstancedScene(RTCGeometry geometry, RTCScene scene)
-{
+Objects::Garbage Objects::setInstancedScene(RTCGeometry geometry, RTCScene scene) {
   const Lock lock(mutex);
   Garbage garbage;
   Geometry* const instance = findOrNull(geometries, geometry);
@@ -154,8 +136,7 @@ Objects::Garbage Objects::setInstancedScene(RTCGeometry geometry, RTCScene scene
 }
 
 Objects::Garbage Objects::setInstancedScenes(RTCGeometry geometry, const RTCScene* instanced, size_t count,
-  std::vector<Scene*>& storage)
-{
+                                             std::vector<Scene*>& storage) {
   const Lock lock(mutex);
   Garbage garbage;
   Geometry* const array = findArray(geometry);
@@ -166,14 +147,12 @@ Objects::Garbage Objects::setInstancedScenes(RTCGeometry geometry, const RTCScen
   return garbage;
 }
 
-static bool isTransform(RTCFormat format)
-{
-  return format == RTC_FORMAT_FLOAT3X4_ROW_MAJOR || format == RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR
-    || format == RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR || format == RTC_FORMAT_QUATERNION_DECOMPOSITION;
+static bool isTransform(RTCFormat format) {
+  return format == RTC_FORMAT_FLOAT3X4_ROW_MAJOR || format == RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR ||
+         format == RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR || format == RTC_FORMAT_QUATERNION_DECOMPOSITION;
 }
 
-void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer)
-{
+void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer) {
   const Lock lock(mutex);
   Geometry* const array = findArray(geometry);
   if (!array || slot != 0 || (type != RTC_BUFFER_TYPE_INDEX && type != RTC_BUFFER_TYPE_TRANSFORM)) return;
@@ -183,13 +162,11 @@ void Objects::setArrayBuffer(RTCGeometry geometry, RTCBufferType type, unsigned 
   InstancedScenes& instanced = array->instanced;
   if (type == RTC_BUFFER_TYPE_TRANSFORM) {
     if (isAccepted && isTransform(buffer.format)) instanced.numTransforms = buffer.count;
-  }
-  else if (isAccepted && buffer.format == RTC_FORMAT_UINT) instanced.indices = buffer;
+  } else if (isAccepted && buffer.format == RTC_FORMAT_UINT) instanced.indices = buffer;
   else if (data != instanced.indices.data) instanced.indices = Buffer(); // Embree no longer has the recorded buffer
 }
 
-void Objects::commitArray(RTCGeometry geometry)
-{
+void Objects::commitArray(RTCGeometry geometry) {
   const Lock lock(mutex);
   Geometry* const array = findArray(geometry);
   if (!array) return;
@@ -202,8 +179,7 @@ void Objects::commitArray(RTCGeometry geometry)
 
 /* --- substitutes in scenes -------------------------------------------------------------------- */
 
-std::vector<std::pair<unsigned int, Geometry*>> Objects::retainSubstituted(Scene& scene)
-{
+std::vector<std::pair<unsigned int, Geometry*>> Objects::retainSubstituted(Scene& scene) {
   const Lock lock(mutex);
   std::vector<std::pair<unsigned int, Geometry*>> all;
   all.reserve(scene.attachments.size());
@@ -215,27 +191,25 @@ std::vector<std::pair<unsigned int, Geometry*>> Objects::retainSubstituted(Scene
   return all;
 }
 
-Objects::Garbage Objects::releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all)
-{
+Objects::Garbage Objects::releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all) {
   const Lock lock(mutex);
   Garbage garbage;
   for (const auto& entry : all) release(entry.second, garbage);
   return garbage;
 }
 
-bool Objects::setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal)
-{
+bool Objects::setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal) {
   const Lock lock(mutex);
   const auto attached = scene.attachments.find(geomID);
-  if (attached == scene.attachments.end() || attached->second.geometry != geometry
-    || attached->second.isOriginal == isOriginal) return false;
+  if (attached == scene.attachments.end() || attached->second.geometry != geometry ||
+      attached->second.isOriginal == isOriginal)
+    return false;
   attached->second.isOriginal = isOriginal;
   return true;
 }
 
 bool Objects::isSubstituted(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel,
-  unsigned int geomID)
-{
+                            unsigned int geomID) {
   const Lock lock(mutex);
   const Scene* inner = findOrNull(scenes, scene);
   for (unsigned int level = firstLevel; level < context.instStackSize && inner; level++) {

@@ -20,51 +20,46 @@ struct Scene;
 
 /* The scenes of an instance or an instance array, and how Embree 4.3 and 4.4 choose one for each instance of an array.
  * Embree holds a reference to all of them. */
-struct InstancedScenes
-{
-  Scene* only = nullptr;            // if set: the scene of all instances, also after rtcSetGeometryInstancedScenes
-  std::vector<Scene*> all;          // of rtcSetGeometryInstancedScenes; NULL where the application passed NULL
-  Buffer indices = Buffer();        // for each instance of an array: an index into `all`
-  size_t numTransforms = 0;         // of the first time step of an array: its number of instances
+struct InstancedScenes {
+  Scene* only = nullptr;     // if set: the scene of all instances, also after rtcSetGeometryInstancedScenes
+  std::vector<Scene*> all;   // of rtcSetGeometryInstancedScenes; NULL where the application passed NULL
+  Buffer indices = Buffer(); // for each instance of an array: an index into `all`
+  size_t numTransforms = 0;  // of the first time step of an array: its number of instances
 
   /* Returns NULL if the instance has no scene. Reads the index buffer, whose owner is Embree or the application. */
   const Scene* find(unsigned int instPrimID) const;
 };
 
 /* A geometry with a substitute, an instance or an instance array. */
-struct Geometry
-{
+struct Geometry {
   RTCGeometry handle;
   RTCGeometryType type;
   size_t references = 1;
   std::unique_ptr<Substituted> substituted;
-  InstancedScenes instanced;        // empty for other geometries
+  InstancedScenes instanced; // empty for other geometries
 };
 
-struct Attachment
-{
+struct Attachment {
   Geometry* geometry;
-  bool isOriginal;                  // Embree's scene contains the original, not the substitute
+  bool isOriginal; // Embree's scene contains the original, not the substitute
 };
 
-struct Scene
-{
+struct Scene {
   RTCScene handle;
   size_t references = 1;
   std::map<unsigned int, Attachment> attachments; // by geomID; only geometries that Objects contains
-  RTCProgressMonitorFunction progress = nullptr; // the application's
+  RTCProgressMonitorFunction progress = nullptr;  // the application's
   void* progressPtr = nullptr;
-  std::mutex prepareMutex;               // held while a thread builds substitutes
-  std::mutex commitMutex;                // protects startsNewCommit
-  bool startsNewCommit = true;           // true if the next thread starts a new commit, see Commit in calls.cpp
-  std::atomic<bool> isCanceled{false};   // for all threads that joined the current commit
-  std::atomic<bool> hasBuilt{false};     // the current commit has built substitutes
+  std::mutex prepareMutex;             // held while a thread builds substitutes
+  std::mutex commitMutex;              // protects startsNewCommit
+  bool startsNewCommit = true;         // true if the next thread starts a new commit, see Commit in calls.cpp
+  std::atomic<bool> isCanceled{false}; // for all threads that joined the current commit
+  std::atomic<bool> hasBuilt{false};   // the current commit has built substitutes
 };
 
 /* Thread-safe. Handles that Objects does not contain are ignored. A function that throws std::bad_alloc, as stated,
  * changes nothing; other functions do not allocate. */
-class Objects
-{
+class Objects {
   typedef std::map<RTCScene, std::unique_ptr<Scene>> Scenes;
   typedef std::map<RTCGeometry, std::unique_ptr<Geometry>> Geometries;
 
@@ -88,8 +83,7 @@ public:
   /* Objects without references, including the released object itself. The caller must keep them until Embree has
    * released that object. Destroying them calls Embree, so Objects must not be locked then. Nodes of maps move here
    * without allocations. */
-  struct Garbage
-  {
+  struct Garbage {
     Geometries geometries;
     Scenes scenes;
   };
@@ -123,9 +117,9 @@ public:
 private:
   /* Callers hold the mutex. */
   void release(Geometry* geometry, Garbage& garbage);
-  void release(Scene* scene, Garbage& garbage);     // does nothing for NULL
-  Scene* findAndRetain(RTCScene scene);             // returns NULL for unknown scenes
-  Geometry* findArray(RTCGeometry geometry);        // returns NULL for other geometries
+  void release(Scene* scene, Garbage& garbage); // does nothing for NULL
+  Scene* findAndRetain(RTCScene scene);         // returns NULL for unknown scenes
+  Geometry* findArray(RTCGeometry geometry);    // returns NULL for other geometries
 
   std::mutex mutex;
   Scenes scenes;

@@ -21,8 +21,7 @@
 
 namespace interposer {
 
-bool Options::compresses(RTCGeometryType type) const
-{
+bool Options::compresses(RTCGeometryType type) const {
   switch (type) {
   case RTC_GEOMETRY_TYPE_SUBDIVISION: return true;
   case RTC_GEOMETRY_TYPE_GRID: return compressesGrids;
@@ -32,8 +31,7 @@ bool Options::compresses(RTCGeometryType type) const
   }
 }
 
-static bool parseDistance(const std::string& text, float& distance)
-{
+static bool parseDistance(const std::string& text, float& distance) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());
   float value = -1;
@@ -42,15 +40,13 @@ static bool parseDistance(const std::string& text, float& distance)
   return true;
 }
 
-static bool parseSwitch(const std::string& text, bool& value)
-{
+static bool parseSwitch(const std::string& text, bool& value) {
   value = text == "1";
   return text == "0" || text == "1";
 }
 
 /* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
-static bool isFramedSetting(const std::string& item)
-{
+static bool isFramedSetting(const std::string& item) {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
   const std::string name = embree::lowerCase(item);
   for (const char* prefix : {"cbvh.", "c", ""}) {
@@ -63,14 +59,16 @@ static bool isFramedSetting(const std::string& item)
 
 /* Applies an item of EMBREE_CBVH. Returns false if it is unknown or has an invalid value. The last of several items
  * that turn compression on or off decides. */
-static bool parse(const std::string& item, Options& options)
-{
+static bool parse(const std::string& item, Options& options) {
   bool isVerbose;
   if (embree::parseVerbose(item, isVerbose)) return true; // libembree_cbvh reads it itself
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
     if (item == "release_input") return true; // libembree_cbvh always releases input
-    if (item == "0" || item == "none") { options.isOn = false; return true; }
+    if (item == "0" || item == "none") {
+      options.isOn = false;
+      return true;
+    }
     const std::string name = embree::lowerCase(item);
     if (name != "1" && name != "vert" && name != "cvert" && name != "cbvh.vert") return false;
     return options.isOn = true;
@@ -83,8 +81,7 @@ static bool parse(const std::string& item, Options& options)
   return key == "release_input" && (value == "0" || value == "1");
 }
 
-const Options& options()
-{
+const Options& options() {
   static const Options options = [] {
     Options read;
     bool isInvalid = false;
@@ -96,8 +93,8 @@ const Options& options()
         continue;
       }
       isInvalid = true; // libembree3 of this project rejects the item, too
-      const std::vector<std::string> suggestions =
-        {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "vert"};
+      const std::vector<std::string> suggestions = {"max_error",     "grids",   "quads", "triangles",
+                                                    "release_input", "verbose", "vert"};
       const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
       const std::string error = nearest == key ? "is not valid." : "is not known, did you mean " + nearest + "?";
       warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "
@@ -111,8 +108,7 @@ const Options& options()
   return options;
 }
 
-void warnOnce(const char* format, ...)
-{
+void warnOnce(const char* format, ...) {
   char line[512];
   va_list arguments;
   va_start(arguments, format);
@@ -125,8 +121,7 @@ void warnOnce(const char* format, ...)
     static std::set<std::string>& printed = *new std::set<std::string>;
     const std::lock_guard<std::mutex> lock(mutex);
     isNew = printed.insert(line).second;
-  }
-  catch (const std::bad_alloc&) {}
+  } catch (const std::bad_alloc&) {}
   if (isNew) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
 }
 

@@ -12,11 +12,10 @@
 
 namespace interposer {
 
-struct Options
-{
+struct Options {
   bool isOn = true;
   bool compressesGrids = false, compressesQuads = false, compressesTriangles = false;
-  float maxError = -1;         // world units; 0: lossless; negative: the library's default
+  float maxError = -1; // world units; 0: lossless; negative: the library's default
 
   /* True if geometry of this type is compressed when isOn. Subdivision geometry always is. */
   bool compresses(RTCGeometryType type) const;

@@ -7,12 +7,9 @@
 #include "objects.h"
 #include "options.h"
 
-namespace interposer {
+namespace interposer { namespace {
 
-namespace {
-
-struct PointQuery
-{
+struct PointQuery {
   RTCScene scene;
   RTCPointQueryFunction function;
   unsigned int firstLevel; // number of instances that the application entered before the query
@@ -20,8 +17,7 @@ struct PointQuery
 thread_local const PointQuery* current = nullptr; // innermost query of the thread
 
 /* Sets `current` while it exists. A query's function may start another query. */
-struct QueryScope
-{
+struct QueryScope {
   explicit QueryScope(const PointQuery* query) : outer(current) { current = query; }
   ~QueryScope() { current = outer; }
   QueryScope(const QueryScope&) = delete;
@@ -31,8 +27,7 @@ private:
   const PointQuery* const outer;
 };
 
-bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
-{
+bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args) {
   if (!Objects::get().isSubstituted(current->scene, *args->context, current->firstLevel, args->geomID))
     return current->function(args);
   return false;
@@ -40,8 +35,7 @@ bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
 
 /* query: calls Embree's function with the RTCPointQueryFunction that it receives. */
 template<typename Query>
-bool runQuery(RTCScene scene, const RTCPointQueryContext* context, RTCPointQueryFunction function, const Query& query)
-{
+bool runQuery(RTCScene scene, const RTCPointQueryContext* context, RTCPointQueryFunction function, const Query& query) {
   if (!hasSubstitutes() || !isActive()) return query(function);
   if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
     warnOnce("point queries do not find grids, quads and triangles that are compressed");
@@ -51,23 +45,20 @@ bool runQuery(RTCScene scene, const RTCPointQueryContext* context, RTCPointQuery
   return query(callUnlessSubstituted);
 }
 
-} // namespace
-
-} // namespace interposer
+}} // namespace interposer
 
 using namespace interposer;
 
 RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryContext* context,
-  RTCPointQueryFunction queryFunc, void* userPtr)
-{
-  return runQuery(scene, context, queryFunc,
-    [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery)(scene, query, context, function, userPtr); });
+                           RTCPointQueryFunction queryFunc, void* userPtr) {
+  return runQuery(scene, context, queryFunc, [&](RTCPointQueryFunction function) {
+    return REAL(rtcPointQuery)(scene, query, context, function, userPtr);
+  });
 }
 
 #define PACKET_POINT_QUERY(N) \
   RTC_API bool rtcPointQuery##N(const int* valid, RTCScene scene, RTCPointQuery##N* query, \
-                                RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) \
-  { \
+                                RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) { \
     return runQuery(scene, context, queryFunc, [&](RTCPointQueryFunction function) { \
       return REAL(rtcPointQuery##N)(valid, scene, query, context, function, userPtr); \
     }); \

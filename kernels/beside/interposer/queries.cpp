@@ -16,13 +16,14 @@ namespace {
 
 /* --- the current query of a thread --------------------------------------------------------- */
 
-template<typename Arguments> struct Current { static thread_local const Arguments* arguments; };
+template<typename Arguments> struct Current {
+  static thread_local const Arguments* arguments;
+};
 template<typename Arguments> thread_local const Arguments* Current<Arguments>::arguments = nullptr;
 
 /* Sets the current arguments while it exists. Restores the outer query's, because a filter may trace rays. */
 template<typename Arguments>
-struct QueryScope
-{
+struct QueryScope {
   explicit QueryScope(const Arguments* arguments) : outer(Current<Arguments>::arguments) {
     Current<Arguments>::arguments = arguments;
   }
@@ -36,29 +37,26 @@ private:
 
 /* Returns the filter of the query's arguments, or NULL if Embree would not call it for this geometry. */
 template<typename Arguments>
-RTCFilterFunctionN filterOfArguments(const SubstituteData& data)
-{
+RTCFilterFunctionN filterOfArguments(const SubstituteData& data) {
   const Arguments* const arguments = Current<Arguments>::arguments;
   if (!arguments || !arguments->filter) return nullptr;
-  return data.usesArgumentFilter
-    || (arguments->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) ? arguments->filter : nullptr;
+  return data.usesArgumentFilter || (arguments->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) ? arguments->filter
+                                                                                                   : nullptr;
 }
 
 /* --- filters -------------------------------------------------------------------------------- */
 
 /* Context of a query with filters. cbvh/embree.h calls filter() below for each hit. filter() casts the address of
  * query.context to a FilteredContext, so `query` must be the first member. */
-struct FilteredContext
-{
+struct FilteredContext {
   CbvhFilterContext query;
-  RTCRayQueryContext* context;   // the application's, which can be longer than this type
+  RTCRayQueryContext* context; // the application's, which can be longer than this type
   const SubstituteData* data;
   RTCFilterFunctionN geometryFilter, argumentsFilter;
 };
 
 /* Calls the application's filters as Embree does: the geometry's, then the arguments'. */
-void filter(const RTCFilterFunctionNArguments* args)
-{
+void filter(const RTCFilterFunctionNArguments* args) {
   const FilteredContext& filtered = *(const FilteredContext*)args->context;
   RTCFilterFunctionNArguments changed = *args;
   changed.geometryUserPtr = filtered.data->userData;
@@ -70,12 +68,14 @@ void filter(const RTCFilterFunctionNArguments* args)
 /* Traces the group of a substitute. function: cbvhInternalIntersect or cbvhInternalOccluded. */
 template<typename Function, typename Arguments>
 void trace(const Function& function, const Arguments* args, const SubstituteData& data,
-  RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter)
-{
+           RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter) {
   if (!data.group) return;
   Arguments changed = *args;
   changed.geometryUserPtr = data.group;
-  if (!geometryFilter && !argumentsFilter) { function(&changed, 0); return; }
+  if (!geometryFilter && !argumentsFilter) {
+    function(&changed, 0);
+    return;
+  }
   FilteredContext filtered = {{*args->context, filter}, args->context, &data, geometryFilter, argumentsFilter};
   changed.context = &filtered.query.context;
   function(&changed, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
@@ -83,37 +83,34 @@ void trace(const Function& function, const Arguments* args, const SubstituteData
 
 /* --- callbacks -------------------------------------------------------------------------------- */
 
-void computeBounds(const RTCBoundsFunctionArguments* args)
-{
+void computeBounds(const RTCBoundsFunctionArguments* args) {
   RTCBoundsFunctionArguments changed = *args;
   changed.geometryUserPtr = ((const SubstituteData*)args->geometryUserPtr)->group;
-  if (changed.geometryUserPtr) { cbvhInternalBounds(&changed); return; }
+  if (changed.geometryUserPtr) {
+    cbvhInternalBounds(&changed);
+    return;
+  }
   *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty bounds
 }
 
-void intersect(const RTCIntersectFunctionNArguments* args)
-{
+void intersect(const RTCIntersectFunctionNArguments* args) {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  trace(cbvhInternalIntersect, args, data, data.intersectFilter,
-    filterOfArguments<RTCIntersectArguments>(data));
+  trace(cbvhInternalIntersect, args, data, data.intersectFilter, filterOfArguments<RTCIntersectArguments>(data));
 }
 
-void occluded(const RTCOccludedFunctionNArguments* args)
-{
+void occluded(const RTCOccludedFunctionNArguments* args) {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
   trace(cbvhInternalOccluded, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
 }
 
 /* Replace the application's functions for user geometry in a query's arguments, and call them except for
  * substitutes. */
-void intersectUserGeometry(const RTCIntersectFunctionNArguments* args)
-{
+void intersectUserGeometry(const RTCIntersectFunctionNArguments* args) {
   if (asSubstituteData(args->geometryUserPtr)) intersect(args);
   else Current<RTCIntersectArguments>::arguments->intersect(args);
 }
 
-void occludedUserGeometry(const RTCOccludedFunctionNArguments* args)
-{
+void occludedUserGeometry(const RTCOccludedFunctionNArguments* args) {
   if (asSubstituteData(args->geometryUserPtr)) occluded(args);
   else Current<RTCOccludedArguments>::arguments->occluded(args);
 }
@@ -121,22 +118,32 @@ void occludedUserGeometry(const RTCOccludedFunctionNArguments* args)
 /* Calls query(args). A function for user geometry in args is replaced by one that also handles substitutes.
  * query: calls Embree's function. */
 template<typename Query>
-void runQuery(RTCIntersectArguments* args, const Query& query)
-{
-  if (!hasSubstitutes() || !isActive()) { query(args); return; }
+void runQuery(RTCIntersectArguments* args, const Query& query) {
+  if (!hasSubstitutes() || !isActive()) {
+    query(args);
+    return;
+  }
   const QueryScope<RTCIntersectArguments> entered(args);
-  if (!args || !args->intersect) { query(args); return; }
+  if (!args || !args->intersect) {
+    query(args);
+    return;
+  }
   RTCIntersectArguments changed = *args;
   changed.intersect = intersectUserGeometry;
   query(&changed);
 }
 
 template<typename Query>
-void runQuery(RTCOccludedArguments* args, const Query& query)
-{
-  if (!hasSubstitutes() || !isActive()) { query(args); return; }
+void runQuery(RTCOccludedArguments* args, const Query& query) {
+  if (!hasSubstitutes() || !isActive()) {
+    query(args);
+    return;
+  }
   const QueryScope<RTCOccludedArguments> entered(args);
-  if (!args || !args->occluded) { query(args); return; }
+  if (!args || !args->occluded) {
+    query(args);
+    return;
+  }
   RTCOccludedArguments changed = *args;
   changed.occluded = occludedUserGeometry;
   query(&changed);
@@ -144,8 +151,7 @@ void runQuery(RTCOccludedArguments* args, const Query& query)
 
 } // namespace
 
-RTCGeometry newUserGeometry(RTCDevice device, SubstituteData* data)
-{
+RTCGeometry newUserGeometry(RTCDevice device, SubstituteData* data) {
   const RTCGeometry geometry = REAL(rtcNewGeometry)(device, RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return nullptr;
   REAL(rtcSetGeometryUserPrimitiveCount)(geometry, 1);
@@ -160,22 +166,18 @@ RTCGeometry newUserGeometry(RTCDevice device, SubstituteData* data)
 
 using namespace interposer;
 
-RTC_API void rtcIntersect1(RTCScene scene, RTCRayHit* rayhit, RTCIntersectArguments* args)
-{
+RTC_API void rtcIntersect1(RTCScene scene, RTCRayHit* rayhit, RTCIntersectArguments* args) {
   runQuery(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect1)(scene, rayhit, args); });
 }
-RTC_API void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* args)
-{
+RTC_API void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* args) {
   runQuery(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded1)(scene, ray, args); });
 }
 
 #define PACKET_QUERIES(N) \
-  RTC_API void rtcIntersect##N(const int* valid, RTCScene scene, RTCRayHit##N* rayhit, RTCIntersectArguments* args) \
-  { \
+  RTC_API void rtcIntersect##N(const int* valid, RTCScene scene, RTCRayHit##N* rayhit, RTCIntersectArguments* args) { \
     runQuery(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect##N)(valid, scene, rayhit, args); }); \
   } \
-  RTC_API void rtcOccluded##N(const int* valid, RTCScene scene, RTCRay##N* ray, RTCOccludedArguments* args) \
-  { \
+  RTC_API void rtcOccluded##N(const int* valid, RTCScene scene, RTCRay##N* ray, RTCOccludedArguments* args) { \
     runQuery(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded##N)(valid, scene, ray, args); }); \
   }
 PACKET_QUERIES(4)
@@ -184,12 +186,10 @@ PACKET_QUERIES(16)
 
 /* Called by cbvh/embree.h. Defined here because this library does not link Embree. */
 RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
-  const RTCFilterFunctionNArguments* filterArgs)
-{
+                                                  const RTCFilterFunctionNArguments* filterArgs) {
   REAL(rtcInvokeIntersectFilterFromGeometry)(args, filterArgs);
 }
 RTC_API void rtcInvokeOccludedFilterFromGeometry(const RTCOccludedFunctionNArguments* args,
-  const RTCFilterFunctionNArguments* filterArgs)
-{
+                                                 const RTCFilterFunctionNArguments* filterArgs) {
   REAL(rtcInvokeOccludedFilterFromGeometry)(args, filterArgs);
 }

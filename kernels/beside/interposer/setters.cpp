@@ -20,14 +20,12 @@ Substituted* find(RTCGeometry geometry) {
   return isActive() && geometry ? Objects::get().findSubstituted(geometry) : nullptr;
 }
 
-void changeInput(RTCGeometry geometry)
-{
+void changeInput(RTCGeometry geometry) {
   if (Substituted* const substituted = find(geometry)) substituted->change(Substituted::InputChange);
 }
 
 template<typename Set>
-void changeInput(RTCGeometry geometry, const Set& set)
-{
+void changeInput(RTCGeometry geometry, const Set& set) {
   Substituted* const substituted = find(geometry);
   if (!substituted) return;
   set(substituted->input);
@@ -35,8 +33,7 @@ void changeInput(RTCGeometry geometry, const Set& set)
 }
 
 template<typename Set>
-void changeAppearance(RTCGeometry geometry, const Set& set)
-{
+void changeAppearance(RTCGeometry geometry, const Set& set) {
   Substituted* const substituted = find(geometry);
   if (!substituted) return;
   set(*substituted);
@@ -47,16 +44,14 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
 Handles<BufferSize>& bufferSizes() { return immortal<Handles<BufferSize>>(); }
 
 /* Returns the buffer, or NULL if memory runs out. */
-RTCBuffer recorded(RTCBuffer buffer, size_t bytes)
-{
+RTCBuffer recorded(RTCBuffer buffer, size_t bytes) {
   if (!buffer || !isActive()) return buffer;
   if (guarded("rtcNewBuffer", [&] { bufferSizes().add(buffer, {bytes}); })) return buffer;
   REAL(rtcReleaseBuffer)(buffer);
   return nullptr;
 }
 
-size_t sizeOf(RTCFormat format)
-{
+size_t sizeOf(RTCFormat format) {
   switch (format) {
   case RTC_FORMAT_UINT2: return 8;
   case RTC_FORMAT_UINT3:
@@ -67,8 +62,7 @@ size_t sizeOf(RTCFormat format)
   }
 }
 
-bool isOutOfBounds(RTCBuffer buffer, RTCFormat format, size_t offset, size_t stride, size_t count)
-{
+bool isOutOfBounds(RTCBuffer buffer, RTCFormat format, size_t offset, size_t stride, size_t count) {
   size_t itemBytes = sizeOf(format);
 #if RTC_VERSION >= 40400
   itemBytes = std::max(itemBytes, stride); // Embree 4.4 rejects a buffer that ends within the last stride
@@ -77,12 +71,11 @@ bool isOutOfBounds(RTCBuffer buffer, RTCFormat format, size_t offset, size_t str
 }
 
 /* Repeats Embree's checks of slot, format, alignment and size. Also false if the buffer is no input of a build. */
-bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, const Buffer& buffer)
-{
+bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, const Buffer& buffer) {
   const RTCFormat format = buffer.format;
   const bool isCage = input.type == RTC_GEOMETRY_TYPE_SUBDIVISION;
   if (size_t(buffer.data) % 4 != 0 || buffer.stride % 4 != 0 || buffer.count > 0xFFFFFFFFu) return false;
-  if (type == RTC_BUFFER_TYPE_VERTEX && !isCage && buffer.stride*buffer.count > size_t(16) << 30) return false;
+  if (type == RTC_BUFFER_TYPE_VERTEX && !isCage && buffer.stride * buffer.count > size_t(16) << 30) return false;
   switch (type) {
   case RTC_BUFFER_TYPE_VERTEX: return format == RTC_FORMAT_FLOAT3 && slot < input.numTimeSteps;
   case RTC_BUFFER_TYPE_INDEX:
@@ -101,8 +94,7 @@ bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, const
   }
 }
 
-void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer)
-{
+void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, const Buffer& buffer) {
   if (!isActive() || !geometry) return;
   Objects::get().setArrayBuffer(geometry, type, slot, buffer);
   changeInput(geometry, [&](Input& input) {
@@ -118,75 +110,66 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, cons
 
 /* --- buffers -------------------------------------------------------------------------------- */
 
-RTC_API RTCBuffer rtcNewBuffer(RTCDevice device, size_t byteSize)
-{
+RTC_API RTCBuffer rtcNewBuffer(RTCDevice device, size_t byteSize) {
   return recorded(REAL(rtcNewBuffer)(device, byteSize), byteSize);
 }
 
-RTC_API RTCBuffer rtcNewSharedBuffer(RTCDevice device, void* ptr, size_t byteSize)
-{
+RTC_API RTCBuffer rtcNewSharedBuffer(RTCDevice device, void* ptr, size_t byteSize) {
   return recorded(REAL(rtcNewSharedBuffer)(device, ptr, byteSize), byteSize);
 }
 
-RTC_API void rtcRetainBuffer(RTCBuffer buffer)
-{
+RTC_API void rtcRetainBuffer(RTCBuffer buffer) {
   REAL(rtcRetainBuffer)(buffer);
   if (isActive()) bufferSizes().retain(buffer);
 }
 
-RTC_API void rtcReleaseBuffer(RTCBuffer buffer)
-{
+RTC_API void rtcReleaseBuffer(RTCBuffer buffer) {
   if (isActive()) bufferSizes().release(buffer);
   REAL(rtcReleaseBuffer)(buffer);
 }
 
 RTC_API void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
-  RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount)
-{
+                                  RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount) {
   REAL(rtcSetGeometryBuffer)(geometry, type, slot, format, buffer, byteOffset, byteStride, itemCount);
   if (isActive() && geometry && buffer && Objects::get().find(geometry))
     setBuffer(geometry, type, slot,
-      {format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount,
-       isOutOfBounds(buffer, format, byteOffset, byteStride, itemCount)});
+              {format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount,
+               isOutOfBounds(buffer, format, byteOffset, byteStride, itemCount)});
 }
 
 RTC_API void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
-  const void* ptr, size_t byteOffset, size_t byteStride, size_t itemCount)
-{
+                                        const void* ptr, size_t byteOffset, size_t byteStride, size_t itemCount) {
   REAL(rtcSetSharedGeometryBuffer)(geometry, type, slot, format, ptr, byteOffset, byteStride, itemCount);
   setBuffer(geometry, type, slot, {format, (const char*)ptr + byteOffset, byteStride, itemCount});
 }
 
 RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
-  size_t byteStride, size_t itemCount)
-{
+                                      size_t byteStride, size_t itemCount) {
   void* const data = REAL(rtcSetNewGeometryBuffer)(geometry, type, slot, format, byteStride, itemCount);
   if (data) setBuffer(geometry, type, slot, {format, (const char*)data, byteStride, itemCount});
   return data;
 }
 
 #if RTC_VERSION >= 40400
-RTC_API RTCBuffer rtcNewBufferHostDevice(RTCDevice device, size_t byteSize)
-{
+RTC_API RTCBuffer rtcNewBufferHostDevice(RTCDevice device, size_t byteSize) {
   return recorded(REAL(rtcNewBufferHostDevice)(device, byteSize), byteSize);
 }
 
-RTC_API RTCBuffer rtcNewSharedBufferHostDevice(RTCDevice device, void* ptr, size_t byteSize)
-{
+RTC_API RTCBuffer rtcNewSharedBufferHostDevice(RTCDevice device, void* ptr, size_t byteSize) {
   return recorded(REAL(rtcNewSharedBufferHostDevice)(device, ptr, byteSize), byteSize);
 }
 
 RTC_API void rtcSetSharedGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
-  RTCFormat format, const void* ptr, const void* dptr, size_t byteOffset, size_t byteStride, size_t itemCount)
-{
+                                                  RTCFormat format, const void* ptr, const void* dptr,
+                                                  size_t byteOffset, size_t byteStride, size_t itemCount) {
   REAL(rtcSetSharedGeometryBufferHostDevice)(geometry, type, slot, format, ptr, dptr, byteOffset, byteStride,
-    itemCount);
+                                             itemCount);
   setBuffer(geometry, type, slot, {format, (const char*)ptr + byteOffset, byteStride, itemCount});
 }
 
 RTC_API void rtcSetNewGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
-  RTCFormat format, size_t byteStride, size_t itemCount, void** ptr, void** dptr)
-{
+                                               RTCFormat format, size_t byteStride, size_t itemCount, void** ptr,
+                                               void** dptr) {
   void* data = nullptr;
   REAL(rtcSetNewGeometryBufferHostDevice)(geometry, type, slot, format, byteStride, itemCount, &data, dptr);
   if (!data) return;
@@ -195,16 +178,14 @@ RTC_API void rtcSetNewGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferTy
 }
 #endif
 
-RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot)
-{
+RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot) {
   REAL(rtcUpdateGeometryBuffer)(geometry, type, slot);
   changeInput(geometry);
 }
 
 /* --- shape ----------------------------------------------------------------------------------- */
 
-RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int timeStepCount)
-{
+RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int timeStepCount) {
   REAL(rtcSetGeometryTimeStepCount)(geometry, timeStepCount);
   changeInput(geometry, [&](Input& input) {
     if (timeStepCount > RTC_MAX_TIME_STEP_COUNT) return;
@@ -213,33 +194,31 @@ RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int time
   });
 }
 
-RTC_API void rtcSetGeometryTimeRange(RTCGeometry geometry, float startTime, float endTime)
-{
+RTC_API void rtcSetGeometryTimeRange(RTCGeometry geometry, float startTime, float endTime) {
   REAL(rtcSetGeometryTimeRange)(geometry, startTime, endTime);
   if (startTime > endTime) return; // Embree keeps the previous range
-  changeInput(geometry, [&](Input& input) { input.startTime = startTime; input.endTime = endTime; });
+  changeInput(geometry, [&](Input& input) {
+    input.startTime = startTime;
+    input.endTime = endTime;
+  });
 }
 
-RTC_API void rtcSetGeometryTessellationRate(RTCGeometry geometry, float tessellationRate)
-{
+RTC_API void rtcSetGeometryTessellationRate(RTCGeometry geometry, float tessellationRate) {
   REAL(rtcSetGeometryTessellationRate)(geometry, tessellationRate);
   changeInput(geometry, [&](Input& input) { input.tessellationRate = tessellationRate; });
 }
 
-RTC_API void rtcSetGeometrySubdivisionMode(RTCGeometry geometry, unsigned int topologyID, RTCSubdivisionMode mode)
-{
+RTC_API void rtcSetGeometrySubdivisionMode(RTCGeometry geometry, unsigned int topologyID, RTCSubdivisionMode mode) {
   REAL(rtcSetGeometrySubdivisionMode)(geometry, topologyID, mode);
   if (topologyID == 0) changeInput(geometry, [&](Input& input) { input.mode = mode; });
 }
 
-RTC_API void rtcSetGeometryDisplacementFunction(RTCGeometry geometry, RTCDisplacementFunctionN displacement)
-{
+RTC_API void rtcSetGeometryDisplacementFunction(RTCGeometry geometry, RTCDisplacementFunctionN displacement) {
   REAL(rtcSetGeometryDisplacementFunction)(geometry, displacement);
   changeInput(geometry, [&](Input& input) { input.displacement = displacement; });
 }
 
-RTC_API void rtcCommitGeometry(RTCGeometry geometry)
-{
+RTC_API void rtcCommitGeometry(RTCGeometry geometry) {
   REAL(rtcCommitGeometry)(geometry);
   if (!isActive() || !geometry) return;
   Objects::get().commitArray(geometry);
@@ -248,8 +227,7 @@ RTC_API void rtcCommitGeometry(RTCGeometry geometry)
 
 /* --- appearance to rays ----------------------------------------------------------------------- */
 
-RTC_API void rtcEnableGeometry(RTCGeometry geometry)
-{
+RTC_API void rtcEnableGeometry(RTCGeometry geometry) {
   REAL(rtcEnableGeometry)(geometry);
   Substituted* const substituted = find(geometry);
   if (!substituted) return;
@@ -257,8 +235,7 @@ RTC_API void rtcEnableGeometry(RTCGeometry geometry)
   substituted->setEnabled(true);
 }
 
-RTC_API void rtcDisableGeometry(RTCGeometry geometry)
-{
+RTC_API void rtcDisableGeometry(RTCGeometry geometry) {
   REAL(rtcDisableGeometry)(geometry);
   Substituted* const substituted = find(geometry);
   if (!substituted) return;
@@ -266,32 +243,27 @@ RTC_API void rtcDisableGeometry(RTCGeometry geometry)
   substituted->setEnabled(false);
 }
 
-RTC_API void rtcSetGeometryMask(RTCGeometry geometry, unsigned int mask)
-{
+RTC_API void rtcSetGeometryMask(RTCGeometry geometry, unsigned int mask) {
   REAL(rtcSetGeometryMask)(geometry, mask);
   changeAppearance(geometry, [&](Substituted& changed) { REAL(rtcSetGeometryMask)(changed.substitute, mask); });
 }
 
-RTC_API void rtcSetGeometryUserData(RTCGeometry geometry, void* ptr)
-{
+RTC_API void rtcSetGeometryUserData(RTCGeometry geometry, void* ptr) {
   REAL(rtcSetGeometryUserData)(geometry, ptr);
   if (Substituted* const substituted = find(geometry)) substituted->setUserData(ptr);
 }
 
-RTC_API void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
-{
+RTC_API void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter) {
   REAL(rtcSetGeometryIntersectFilterFunction)(geometry, filter);
   changeAppearance(geometry, [&](Substituted& changed) { changed.data->intersectFilter = filter; });
 }
 
-RTC_API void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
-{
+RTC_API void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter) {
   REAL(rtcSetGeometryOccludedFilterFunction)(geometry, filter);
   changeAppearance(geometry, [&](Substituted& changed) { changed.data->occludedFilter = filter; });
 }
 
-RTC_API void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable)
-{
+RTC_API void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable) {
   REAL(rtcSetGeometryEnableFilterFunctionFromArguments)(geometry, enable);
   changeAppearance(geometry, [&](Substituted& changed) { changed.data->usesArgumentFilter = enable; });
 }

@@ -15,27 +15,24 @@
 
 namespace interposer {
 
-struct SubstituteData
-{
-  CbvhGroup group;               // NULL if not built: at first, during builds, after failures
-  RTCGeometry original;          // the application's geometry
-  void* userData;                // user data of the original
+struct SubstituteData {
+  CbvhGroup group;      // NULL if not built: at first, during builds, after failures
+  RTCGeometry original; // the application's geometry
+  void* userData;       // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;
-  bool usesArgumentFilter;       // see rtcSetGeometryEnableFilterFunctionFromArguments
+  bool usesArgumentFilter; // see rtcSetGeometryEnableFilterFunctionFromArguments
 };
 
 /* One address range contains all SubstituteData, so that a comparison distinguishes them from an application's user
  * data. A thread may call asSubstituteData while another creates the first one: readers read the size first, which is 0
  * until begin is stored. */
-struct SubstituteDataRange
-{
+struct SubstituteDataRange {
   std::atomic<uintptr_t> begin, size;
 };
 extern SubstituteDataRange substituteDataRange;
 
 /* Returns NULL for user data of the application. */
-inline SubstituteData* asSubstituteData(void* userData)
-{
+inline SubstituteData* asSubstituteData(void* userData) {
   const uintptr_t size = substituteDataRange.size.load(std::memory_order_acquire);
   const uintptr_t offset = uintptr_t(userData) - substituteDataRange.begin.load(std::memory_order_relaxed);
   return offset < size ? (SubstituteData*)userData : nullptr;

@@ -8,33 +8,31 @@
 
 #include "../embree/simd.h"
 
-namespace embree
-{
-  /*! Gives the inactive rays of a packet an empty range [tnear,tfar], so that they hit nothing, until the destructor
-   *  restores it. valid: the application's mask, -1 for active rays. */
-  template<typename Packet, int N>
-  struct OnlyActiveRays
-  {
-    OnlyActiveRays (const int* valid, Packet& rays) : valid(valid), rays(rays)
-    {
-      for (int i=0; i<N; i++) {
-        if (valid[i] == -1) continue;
-        tnear[i] = rays.tnear[i]; rays.tnear[i] = inf;
-        tfar[i] = rays.tfar[i]; rays.tfar[i] = neg_inf;
-      }
+namespace embree {
+/*! Gives the inactive rays of a packet an empty range [tnear,tfar], so that they hit nothing, until the destructor
+ *  restores it. valid: the application's mask, -1 for active rays. */
+template<typename Packet, int N>
+struct OnlyActiveRays {
+  OnlyActiveRays(const int* valid, Packet& rays) : valid(valid), rays(rays) {
+    for (int i = 0; i < N; i++) {
+      if (valid[i] == -1) continue;
+      tnear[i] = rays.tnear[i];
+      rays.tnear[i] = inf;
+      tfar[i] = rays.tfar[i];
+      rays.tfar[i] = neg_inf;
     }
+  }
 
-    ~OnlyActiveRays ()
-    {
-      for (int i=0; i<N; i++) {
-        if (valid[i] == -1) continue;
-        rays.tnear[i] = tnear[i];
-        rays.tfar[i] = tfar[i];
-      }
+  ~OnlyActiveRays() {
+    for (int i = 0; i < N; i++) {
+      if (valid[i] == -1) continue;
+      rays.tnear[i] = tnear[i];
+      rays.tfar[i] = tfar[i];
     }
+  }
 
-    const int* valid;
-    Packet& rays;
-    float tnear[N], tfar[N];
-  };
-}
+  const int* valid;
+  Packet& rays;
+  float tnear[N], tfar[N];
+};
+} // namespace embree

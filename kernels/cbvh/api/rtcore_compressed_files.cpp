@@ -16,125 +16,114 @@ typedef core::CompressedFileWriter Writer;
 
 RTC_NAMESPACE_BEGIN;
 
-RTC_API bool rtcSaveCompressedGeometry (RTCGeometry hgeometry, const char* path)
-{
-  Geometry* geometry = (Geometry*) hgeometry;
+RTC_API bool rtcSaveCompressedGeometry(RTCGeometry hgeometry, const char* path) {
+  Geometry* geometry = (Geometry*)hgeometry;
   RTC_CATCH_BEGIN;
-  requireNotNull(geometry,"geometry");
-  requireNotNull(path,"path");
-  core::saveGeometry(geometry,path);
+  requireNotNull(geometry, "geometry");
+  requireNotNull(path, "path");
+  core::saveGeometry(geometry, path);
   return true;
   RTC_CATCH_END2(geometry);
   return false;
 }
 
-RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* path)
-{
-  Device* device = (Device*) hdevice;
+RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice hdevice, const char* path) {
+  Device* device = (Device*)hdevice;
   RTC_CATCH_BEGIN;
-  requireNotNull(device,"device");
-  requireNotNull(path,"path");
-  const File file(device,path);
+  requireNotNull(device, "device");
+  requireNotNull(path, "path");
+  const File file(device, path);
   if (file.size() != 1)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file.size())
-        + " geometries: expected 1; use rtcOpenCompressedFile");
-  return (RTCGeometry) file.load(0);
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT, std::string(path) + ": has " + std::to_string(file.size()) +
+                                                   " geometries: expected 1; use rtcOpenCompressedFile");
+  return (RTCGeometry)file.load(0);
   RTC_CATCH_END(device);
   return nullptr;
 }
 
-RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, const char* path)
-{
-  Device* device = (Device*) hdevice;
+RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice hdevice, const char* path) {
+  Device* device = (Device*)hdevice;
   RTC_CATCH_BEGIN;
-  requireNotNull(device,"device");
-  requireNotNull(path,"path");
-  return (RTCCompressedFileWriter) new Writer(device,path);
+  requireNotNull(device, "device");
+  requireNotNull(path, "path");
+  return (RTCCompressedFileWriter) new Writer(device, path);
   RTC_CATCH_END(device);
   return nullptr;
 }
 
-RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice, const char* path,
-                                                               unsigned long long key)
-{
-  Device* device = (Device*) hdevice;
+RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice hdevice, const char* path,
+                                                              unsigned long long key) {
+  Device* device = (Device*)hdevice;
   RTC_CATCH_BEGIN;
-  requireNotNull(device,"device");
-  requireNotNull(path,"path");
-  return (RTCCompressedFileWriter) new Writer(device,path,key);
+  requireNotNull(device, "device");
+  requireNotNull(path, "path");
+  return (RTCCompressedFileWriter) new Writer(device, path, key);
   RTC_CATCH_END(device);
   return nullptr;
 }
 
-RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount (RTCCompressedFileWriter hwriter)
-{
-  Writer* writer = (Writer*) hwriter;
+RTC_API unsigned int rtcGetCompressedFileWriterGeometryCount(RTCCompressedFileWriter hwriter) {
+  Writer* writer = (Writer*)hwriter;
   RTC_CATCH_BEGIN;
-  requireNotNull(writer,"writer");
+  requireNotNull(writer, "writer");
   return (unsigned int)writer->size();
   RTC_CATCH_END2(writer);
   return 0;
 }
 
-RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGeometry hgeometry)
-{
-  Writer* writer = (Writer*) hwriter;
+RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter hwriter, RTCGeometry hgeometry) {
+  Writer* writer = (Writer*)hwriter;
   RTC_CATCH_BEGIN;
-  requireNotNull(writer,"writer");
-  requireNotNull(hgeometry,"geometry");
+  requireNotNull(writer, "writer");
+  requireNotNull(hgeometry, "geometry");
   writer->append((Geometry*)hgeometry);
   return true;
   RTC_CATCH_END2(writer);
   return false;
 }
 
-RTC_API bool rtcCommitCompressedFileWriter (RTCCompressedFileWriter hwriter)
-{
-  Writer* writer = (Writer*) hwriter;
+RTC_API bool rtcCommitCompressedFileWriter(RTCCompressedFileWriter hwriter) {
+  Writer* writer = (Writer*)hwriter;
   RTC_CATCH_BEGIN;
-  requireNotNull(writer,"writer");
+  requireNotNull(writer, "writer");
   writer->commit();
   return true;
   RTC_CATCH_END2(writer);
   return false;
 }
 
-RTC_API void rtcReleaseCompressedFileWriter (RTCCompressedFileWriter hwriter)
-{
+RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter hwriter) {
   RTC_CATCH_BEGIN;
-  requireNotNull(hwriter,"writer");
-  delete (Writer*) hwriter;
+  requireNotNull(hwriter, "writer");
+  delete (Writer*)hwriter;
   RTC_CATCH_END(nullptr);
 }
 
-RTC_API RTCCompressedFile rtcOpenCompressedFile (RTCDevice hdevice, const char* path)
-{
-  Device* device = (Device*) hdevice;
+RTC_API RTCCompressedFile rtcOpenCompressedFile(RTCDevice hdevice, const char* path) {
+  Device* device = (Device*)hdevice;
   RTC_CATCH_BEGIN;
-  requireNotNull(device,"device");
-  requireNotNull(path,"path");
-  return (RTCCompressedFile) new File(device,path);
+  requireNotNull(device, "device");
+  requireNotNull(path, "path");
+  return (RTCCompressedFile) new File(device, path);
   RTC_CATCH_END(device);
   return nullptr;
 }
 
-RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
-{
-  File* file = (File*) hfile;
+RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile hfile) {
+  File* file = (File*)hfile;
   RTC_CATCH_BEGIN;
-  requireNotNull(file,"file");
+  requireNotNull(file, "file");
   return unsigned(file->size());
   RTC_CATCH_END2(file);
   return 0;
 }
 
-RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned int index,
-                                               struct RTCCompressedFileGeometryInfo* info)
-{
-  File* file = (File*) hfile;
+RTC_API bool rtcGetCompressedFileGeometryInfo(RTCCompressedFile hfile, unsigned int index,
+                                              struct RTCCompressedFileGeometryInfo* info) {
+  File* file = (File*)hfile;
   RTC_CATCH_BEGIN;
-  requireNotNull(file,"file");
-  requireNotNull(info,"info");
+  requireNotNull(file, "file");
+  requireNotNull(info, "info");
   const core::CompressedFileGeometryInfo from = file->geometryInfo(index);
   RTCCompressedFileGeometryInfo to = RTCCompressedFileGeometryInfo();
   to.type = from.type;
@@ -143,54 +132,50 @@ RTC_API bool rtcGetCompressedFileGeometryInfo (RTCCompressedFile hfile, unsigned
   to.numTimeSteps = from.numTimeSteps;
   to.startTime = from.begin;
   to.endTime = from.end;
-  std::copy_n(from.lower,3,to.lower);
-  std::copy_n(from.upper,3,to.upper);
+  std::copy_n(from.lower, 3, to.lower);
+  std::copy_n(from.upper, 3, to.upper);
   to.bytes = from.bytes;
-  core::writeStruct(info,to);
+  core::writeStruct(info, to);
   return true;
   RTC_CATCH_END2(file);
   return false;
 }
 
-RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, unsigned int index,
-    struct RTCCompressionStatistics* statistics)
-{
-  File* file = (File*) hfile;
+RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile hfile, unsigned int index,
+                                                    struct RTCCompressionStatistics* statistics) {
+  File* file = (File*)hfile;
   RTC_CATCH_BEGIN;
-  requireNotNull(file,"file");
-  requireNotNull(statistics,"statistics");
-  core::writeStruct(statistics,toPublic(file->statistics(index)));
+  requireNotNull(file, "file");
+  requireNotNull(statistics, "statistics");
+  core::writeStruct(statistics, toPublic(file->statistics(index)));
   return true;
   RTC_CATCH_END2(file);
   return false;
 }
 
-RTC_API RTCGeometry rtcNewGeometryFromCompressedFile (RTCCompressedFile hfile, unsigned int index)
-{
-  File* file = (File*) hfile;
+RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile hfile, unsigned int index) {
+  File* file = (File*)hfile;
   RTC_CATCH_BEGIN;
-  requireNotNull(file,"file");
-  return (RTCGeometry) file->load(index);
+  requireNotNull(file, "file");
+  return (RTCGeometry)file->load(index);
   RTC_CATCH_END2(file);
   return nullptr;
 }
 
-RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
-{
-  File* file = (File*) hfile;
+RTC_API bool rtcVerifyCompressedFile(RTCCompressedFile hfile) {
+  File* file = (File*)hfile;
   RTC_CATCH_BEGIN;
-  requireNotNull(file,"file");
+  requireNotNull(file, "file");
   file->verifyAll();
   return true;
   RTC_CATCH_END2(file);
   return false;
 }
 
-RTC_API void rtcReleaseCompressedFile (RTCCompressedFile hfile)
-{
+RTC_API void rtcReleaseCompressedFile(RTCCompressedFile hfile) {
   RTC_CATCH_BEGIN;
-  requireNotNull(hfile,"file");
-  delete (File*) hfile;
+  requireNotNull(hfile, "file");
+  delete (File*)hfile;
   RTC_CATCH_END(nullptr);
 }
 

@@ -13,13 +13,12 @@ using namespace embree;
 
 RTC_NAMESPACE_BEGIN;
 
-RTC_API void rtcDiceGeometry (RTCGeometry hgeometry, const struct RTCDicingArguments* args)
-{
-  Geometry* geometry = (Geometry*) hgeometry;
+RTC_API void rtcDiceGeometry(RTCGeometry hgeometry, const struct RTCDicingArguments* args) {
+  Geometry* geometry = (Geometry*)hgeometry;
   RTC_CATCH_BEGIN;
-  requireNotNull(geometry,"geometry");
-  requireNotNull(args,"args");
-  core::dice(geometry,dicingCamera(core::readStruct(args)));
+  requireNotNull(geometry, "geometry");
+  requireNotNull(args, "args");
+  core::dice(geometry, dicingCamera(core::readStruct(args)));
   RTC_CATCH_END2(geometry);
 }
 

@@ -20,21 +20,17 @@
 #define CBVH_END }}}
 // clang-format on
 
-namespace embree
-{
-  namespace cbvh
-  {
-    using namespace cvert;
+namespace embree { namespace cbvh {
+using namespace cvert;
 
-    /* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible,
-     * because it acts like declarations in the global namespace. */
-    using cvert::minimum;
-    using cvert::maximum;
-    using cvert::magnitude;
-    using cvert::choose;
-    using cvert::product;
-  }
-}
+/* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible,
+ * because it acts like declarations in the global namespace. */
+using cvert::minimum;
+using cvert::maximum;
+using cvert::magnitude;
+using cvert::choose;
+using cvert::product;
+}} // namespace embree::cbvh
 #endif
 
 #endif

@@ -20,52 +20,48 @@
 #endif
 
 #if defined(__ARM_NEON)
-__forceinline __m128i _mm_sllv_epi32 (__m128i a, __m128i counts) { return vshlq_s32(a,counts); }
-__forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
-  return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a),vnegq_s32(counts)));
+__forceinline __m128i _mm_sllv_epi32(__m128i a, __m128i counts) { return vshlq_s32(a, counts); }
+__forceinline __m128i _mm_srlv_epi32(__m128i a, __m128i counts) {
+  return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a), vnegq_s32(counts)));
 }
 #endif
 
-namespace embree
-{
-  /*! Returns lanes 1, 2 and 3 of a, followed by lane i of b. NEON uses vextq, because GCC compiles its shuffles of two
-   *  vectors to table lookups. */
-  template<int i>
-  __forceinline __m128 dropFirstAndAppend (__m128 a, __m128 b)
-  {
+namespace embree {
+/*! Returns lanes 1, 2 and 3 of a, followed by lane i of b. NEON uses vextq, because GCC compiles its shuffles of two
+ *  vectors to table lookups. */
+template<int i>
+__forceinline __m128 dropFirstAndAppend(__m128 a, __m128 b) {
 #if defined(__ARM_NEON)
-    return vextq_f32(a,vdupq_laneq_f32(b,i),1);
+  return vextq_f32(a, vdupq_laneq_f32(b, i), 1);
 #else
-    return _mm_shuffle_ps(a,_mm_shuffle_ps(a,b,_MM_SHUFFLE(i,i,3,3)),_MM_SHUFFLE(2,0,2,1));
+  return _mm_shuffle_ps(a, _mm_shuffle_ps(a, b, _MM_SHUFFLE(i, i, 3, 3)), _MM_SHUFFLE(2, 0, 2, 1));
 #endif
-  }
+}
 
-  /*! Concatenates masks of at most 32 lanes in total: bit Mask::size*j + i of the result is lane i of masks[j]. */
-  template<typename Mask, int n>
-  __forceinline uint32_t movemasks (const Mask (&masks)[n])
-  {
-    uint32_t lanes = 0;
-    for (int j=0; j<n; j++) lanes |= uint32_t(movemask(masks[j])) << (Mask::size*j);
-    return lanes;
-  }
+/*! Concatenates masks of at most 32 lanes in total: bit Mask::size*j + i of the result is lane i of masks[j]. */
+template<typename Mask, int n>
+__forceinline uint32_t movemasks(const Mask (&masks)[n]) {
+  uint32_t lanes = 0;
+  for (int j = 0; j < n; j++) lanes |= uint32_t(movemask(masks[j])) << (Mask::size * j);
+  return lanes;
+}
 
 #if !defined(__AVX__) // with AVX, callers have masks of 8 or 16 lanes
-  /*! As above, for 16 lanes. Packs the masks to bytes first, because collecting bits requires several instructions of
-   *  NEON. */
-  __forceinline uint32_t movemasks (const vboolf4 (&masks)[4])
-  {
+/*! As above, for 16 lanes. Packs the masks to bytes first, because collecting bits requires several instructions of
+ *  NEON. */
+__forceinline uint32_t movemasks(const vboolf4 (&masks)[4]) {
 #if defined(__ARM_NEON)
-    auto as16Bits = [&](int j) { return vreinterpretq_u16_u32(vreinterpretq_u32_f32(masks[j])); };
-    const uint8x16_t bytes = vuzp1q_u8(vreinterpretq_u8_u16(vuzp1q_u16(as16Bits(0),as16Bits(1))),
-      vreinterpretq_u8_u16(vuzp1q_u16(as16Bits(2),as16Bits(3))));
-    static const uint8x16_t bits = { 1,2,4,8,16,32,64,128, 1,2,4,8,16,32,64,128 };
-    uint8x16_t sums = vandq_u8(bytes,bits);
-    for (int i=0; i<3; i++) sums = vpaddq_u8(sums,sums);
-    return vgetq_lane_u16(vreinterpretq_u16_u8(sums),0);
+  auto as16Bits = [&](int j) { return vreinterpretq_u16_u32(vreinterpretq_u32_f32(masks[j])); };
+  const uint8x16_t bytes = vuzp1q_u8(vreinterpretq_u8_u16(vuzp1q_u16(as16Bits(0), as16Bits(1))),
+                                     vreinterpretq_u8_u16(vuzp1q_u16(as16Bits(2), as16Bits(3))));
+  static const uint8x16_t bits = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+  uint8x16_t sums = vandq_u8(bytes, bits);
+  for (int i = 0; i < 3; i++) sums = vpaddq_u8(sums, sums);
+  return vgetq_lane_u16(vreinterpretq_u16_u8(sums), 0);
 #else
-    auto pack = [&](int j) { return _mm_packs_epi32(_mm_castps_si128(masks[j]),_mm_castps_si128(masks[j+1])); };
-    return uint32_t(_mm_movemask_epi8(_mm_packs_epi16(pack(0),pack(2))));
-#endif
-  }
+  auto pack = [&](int j) { return _mm_packs_epi32(_mm_castps_si128(masks[j]), _mm_castps_si128(masks[j + 1])); };
+  return uint32_t(_mm_movemask_epi8(_mm_packs_epi16(pack(0), pack(2))));
 #endif
 }
+#endif
+} // namespace embree

@@ -43,25 +43,23 @@ CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u
 /*! Highest level of a patch that is stored in blocks with frames: 2^maxFramedLevel quads per side. */
 CVERT_CONSTANT uint32_t maxFramedLevel = 8u;
 
-struct KindFormat
-{
-  uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks of at least that many quads per side
-  uint32_t minNodeLevels; //!< minimum levels of nodes; in blocks of less height, leaves are parts of a quad
-  uint32_t bytesPerGroup; //!< size of a group (2 x 2 leaves below a node of the last level) without its word, or 0
+struct KindFormat {
+  uint32_t leafLevels;     //!< log2 of the quads per side of a leaf, in blocks of at least that many quads per side
+  uint32_t minNodeLevels;  //!< minimum levels of nodes; in blocks of less height, leaves are parts of a quad
+  uint32_t bytesPerGroup;  //!< size of a group (2 x 2 leaves below a node of the last level) without its word, or 0
   uint32_t bytesPerVertex; //!< 0 if blocks store no vertices
-  uint32_t tailPadding;   //!< zeros at the end of a block that decoders may read, part of its size
+  uint32_t tailPadding;    //!< zeros at the end of a block that decoders may read, part of its size
 };
 
 /*! Formats of the kinds with frames, indexed by kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
-  /* cGRID: leaves are 2 x 2 quads, as in GRID; loads of 4 floats may read past the last row, which is padded by 3 */
-  { 1u, 0u, 0u, 12u, 12u },
-  /* cVOXEL */
-  { 0u, 0u, 0u, 0u, 0u },
-  /* cLEAF: 2 x 2 leaves share 9 heights of 7 bits, 8 bytes; a single quad is split into four leaves */
-  { 0u, 1u, 8u, 0u, 0u }
-};
+    /* cGRID: leaves are 2 x 2 quads, as in GRID; loads of 4 floats may read past the last row, which is padded by 3 */
+    {1u, 0u, 0u, 12u, 12u},
+    /* cVOXEL */
+    {0u, 0u, 0u, 0u, 0u},
+    /* cLEAF: 2 x 2 leaves share 9 heights of 7 bits, 8 bytes; a single quad is split into four leaves */
+    {0u, 1u, 8u, 0u, 0u}};
 
 CBVH_END
 
@@ -72,17 +70,16 @@ CBVH_BEGIN
 
 enum class Kind : uint32_t { CGRID = kindGrid, CVOXEL = kindVoxel, CLEAF = kindLeaf, CVERT = kindVert };
 
-struct KindDescription
-{
+struct KindDescription {
   Kind kind;
-  const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
-  const char* name;          //!< name in messages
-  bool alignsToLimit;        //!< frames align to the corners on the limit surface, otherwise to displaced ones
-  bool supportsHoles;        //!< leaves can leave out a quad
-  bool hasThickness;         //!< leaves are inexact, with a bound on their thickness
+  const char* key;    //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
+  const char* name;   //!< name in messages
+  bool alignsToLimit; //!< frames align to the corners on the limit surface, otherwise to displaced ones
+  bool supportsHoles; //!< leaves can leave out a quad
+  bool hasThickness;  //!< leaves are inexact, with a bound on their thickness
 
-  bool hasFrame () const { return ((framedKinds >> uint32_t(kind)) & 1u) != 0u; }
-  RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_CGRID + uint32_t(kind)); }
+  bool hasFrame() const { return ((framedKinds >> uint32_t(kind)) & 1u) != 0u; }
+  RTCCompression compression() const { return RTCCompression(RTC_COMPRESSION_CGRID + uint32_t(kind)); }
 };
 
 /*! Only cLEAF aligns frames to the limit surface, along whose normals heights are stored best. Boxes of other kinds are
@@ -97,7 +94,7 @@ static constexpr KindDescription kindDescriptions[] = {
   { Kind::CVERT,  "vert",  "cVERT",  false, true,  false }
 };
 // clang-format on
-static constexpr uint32_t numKinds = sizeof(kindDescriptions)/sizeof(kindDescriptions[0]);
+static constexpr uint32_t numKinds = sizeof(kindDescriptions) / sizeof(kindDescriptions[0]);
 
 static_assert(framedKinds < (1u << maxFramedKinds), "headers of blocks with frames have 4 bits for the kind");
 static_assert(RTC_COMPRESSION_CVOXEL - RTC_COMPRESSION_CGRID == kindVoxel,
@@ -108,27 +105,27 @@ static_assert(RTC_COMPRESSION_CVERT - RTC_COMPRESSION_CGRID == kindVert,
               "a value of RTCCompression follows from the kind");
 
 /*! Returns the entry of kindDescriptions for a kind, which must have one. */
-inline const KindDescription& descriptionOf (Kind kind)
-{
+inline const KindDescription& descriptionOf(Kind kind) {
   uint32_t row = 0;
   while (kindDescriptions[row].kind != kind) row++;
   return kindDescriptions[row];
 }
 
 /*! Finds the kind of an RTCCompression. Returns false if this library does not have it. */
-inline bool findKind (int compression, Kind& kind)
-{
+inline bool findKind(int compression, Kind& kind) {
   for (const KindDescription& description : kindDescriptions)
-    if (description.compression() == compression) { kind = description.kind; return true; }
+    if (description.compression() == compression) {
+      kind = description.kind;
+      return true;
+    }
   return false;
 }
 
 /*! Returns the compression of a geometry in a file, or cVERT if this library was built without its kind. Loading then
  *  fails, unless all blocks are cVERT because all faces are fallback faces. */
-inline RTCCompression compressionOfLoaded (uint32_t compression)
-{
+inline RTCCompression compressionOfLoaded(uint32_t compression) {
   Kind kind;
-  return findKind(int(compression),kind) ? RTCCompression(compression) : RTC_COMPRESSION_CVERT;
+  return findKind(int(compression), kind) ? RTCCompression(compression) : RTC_COMPRESSION_CVERT;
 }
 
 CBVH_END

@@ -10,72 +10,73 @@
 #include "../../cvert/rule/reciprocal.h"
 #include "../embree/simd.h"
 
-namespace embree
-{
-  template<int N>
-  __forceinline vfloat_impl<N> minimum (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return min(a,b); }
-  template<int N>
-  __forceinline vfloat_impl<N> maximum (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return max(a,b); }
-  template<int N> __forceinline vfloat_impl<N> magnitude (const vfloat_impl<N>& a) { return abs(a); }
-  template<int N>
-  __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a,
-                                       const vfloat_impl<N>& b) { return select(condition,a,b); }
-  /*! a b, rounded: the empty assembly prevents fusing with a later sum. */
-  template<int N> __forceinline vfloat_impl<N> product (const vfloat_impl<N>& a, const vfloat_impl<N>& b)
-  {
-    vfloat_impl<N> p = a*b;
+namespace embree {
+template<int N>
+__forceinline vfloat_impl<N> minimum(const vfloat_impl<N>& a, const vfloat_impl<N>& b) {
+  return min(a, b);
+}
+template<int N>
+__forceinline vfloat_impl<N> maximum(const vfloat_impl<N>& a, const vfloat_impl<N>& b) {
+  return max(a, b);
+}
+template<int N> __forceinline vfloat_impl<N> magnitude(const vfloat_impl<N>& a) { return abs(a); }
+template<int N>
+__forceinline vfloat_impl<N> choose(const vboolf_impl<N>& condition, const vfloat_impl<N>& a, const vfloat_impl<N>& b) {
+  return select(condition, a, b);
+}
+/*! a b, rounded: the empty assembly prevents fusing with a later sum. */
+template<int N> __forceinline vfloat_impl<N> product(const vfloat_impl<N>& a, const vfloat_impl<N>& b) {
+  vfloat_impl<N> p = a * b;
 #if defined(__GNUC__) && defined(__AVX512F__)
-    asm("" : "+v"(p.v));
+  asm("" : "+v"(p.v));
 #elif defined(__GNUC__) && defined(__x86_64__)
-    asm("" : "+x"(p.v));
+  asm("" : "+x"(p.v));
 #endif // elsewhere: -ffp-contract=off, kernels/upstream/arm64.cmake
-    return p;
-  }
+  return p;
+}
 
-  namespace isa
-  {
-    namespace cbvh
-    {
-      using namespace embree::cbvh;
+namespace isa { namespace cbvh {
+using namespace embree::cbvh;
 
 #if defined(__AVX512F__)
-      static const int vectorWidth = 16;
+static const int vectorWidth = 16;
 #elif defined(__AVX__)
-      static const int vectorWidth = 8;
+static const int vectorWidth = 8;
 #else
-      static const int vectorWidth = 4;
+static const int vectorWidth = 4;
 #endif
-      typedef vfloat<vectorWidth> vfloatV;
-      typedef vint<vectorWidth> vintV;
-      typedef vboolf<vectorWidth> vboolV;
+typedef vfloat<vectorWidth> vfloatV;
+typedef vint<vectorWidth> vintV;
+typedef vboolf<vectorWidth> vboolV;
 
-      /*! Replaces the fourth lane, which is not used, by the first: it might contain 0 or a denormal number, for which
-       *  programs may trap. */
-      __forceinline vfloat4 withoutFourth (const vfloat4& v) { return shuffle<0,1,2,0>(v); }
+/*! Replaces the fourth lane, which is not used, by the first: it might contain 0 or a denormal number, for which
+ *  programs may trap. */
+__forceinline vfloat4 withoutFourth(const vfloat4& v) { return shuffle<0, 1, 2, 0>(v); }
 
-      /*! cvert's directionReciprocal of three components. The fourth lane must contain one of them, see withoutFourth.
-       *  If all magnitudes are 1e-9 to 1e9, clamping would change a component by at most an ulp, so it is skipped. */
-      __forceinline vfloat4 directionReciprocals (const vfloat4& d)
-      {
-        const vfloat4 size = abs(d);
-        if (likely(all((size >= vfloat4(1e-9f)) & (size <= vfloat4(1e9f))))) return vfloat4(1.0f)/d;
-        return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
-      }
-
-      /*! a b + c and c - a b, fused where supported. Embree's madd of floats would clear the rest of a vector first. */
-      __forceinline float fused (float a, float b, float c)
-      {
-#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-        return __builtin_fmaf(a,b,c);
-#else
-        return product(a,b) + c;
-#endif
-      }
-      __forceinline float fusedNegative (float a, float b, float c) { return fused(-a,b,c); }
-      template<typename Vector>
-      __forceinline Vector fused (const Vector& a, const Vector& b, const Vector& c) { return madd(a,b,c); }
-      template<typename Vector>
-      __forceinline Vector fusedNegative (const Vector& a, const Vector& b, const Vector& c) { return nmadd(a,b,c); }
-    }
-  }
+/*! cvert's directionReciprocal of three components. The fourth lane must contain one of them, see withoutFourth.
+ *  If all magnitudes are 1e-9 to 1e9, clamping would change a component by at most an ulp, so it is skipped. */
+__forceinline vfloat4 directionReciprocals(const vfloat4& d) {
+  const vfloat4 size = abs(d);
+  if (likely(all((size >= vfloat4(1e-9f)) & (size <= vfloat4(1e9f))))) return vfloat4(1.0f) / d;
+  return directionReciprocal(d, max(max(shuffle<0>(size), shuffle<1>(size)), shuffle<2>(size)));
 }
+
+/*! a b + c and c - a b, fused where supported. Embree's madd of floats would clear the rest of a vector first. */
+__forceinline float fused(float a, float b, float c) {
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+  return __builtin_fmaf(a, b, c);
+#else
+  return product(a, b) + c;
+#endif
+}
+__forceinline float fusedNegative(float a, float b, float c) { return fused(-a, b, c); }
+template<typename Vector>
+__forceinline Vector fused(const Vector& a, const Vector& b, const Vector& c) {
+  return madd(a, b, c);
+}
+template<typename Vector>
+__forceinline Vector fusedNegative(const Vector& a, const Vector& b, const Vector& c) {
+  return nmadd(a, b, c);
+}
+}} // namespace isa::cbvh
+} // namespace embree

@@ -6,9 +6,8 @@
 #include "../embree/scene.h"
 #include <set>
 
-namespace embree
-{
-  /*! Bytes of a geometry's buffers that Embree allocated, and of the topology that Embree made.
-   *  counted: buffers to skip; receives this geometry's buffers. */
-  size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted);
-}
+namespace embree {
+/*! Bytes of a geometry's buffers that Embree allocated, and of the topology that Embree made.
+ *  counted: buffers to skip; receives this geometry's buffers. */
+size_t bytesOfInput(const CompressibleGeometry* geometry, std::set<const void*>& counted);
+} // namespace embree

@@ -10,21 +10,18 @@
 #include "../surface/cage_patch.h"
 #include "../surface/plan.h"
 
-namespace embree
-{
-  namespace isa
-  {
-    struct PatchTiling { size_t size () const { return 0; } };
+namespace embree { namespace isa {
+struct PatchTiling {
+  size_t size() const { return 0; }
+};
 
-    inline unsigned levelOf (const float*) { return 0; }
-    inline PatchTiling tilingOf (cbvh::Kind, const float*, unsigned) { return PatchTiling(); }
+inline unsigned levelOf(const float*) { return 0; }
+inline PatchTiling tilingOf(cbvh::Kind, const float*, unsigned) { return PatchTiling(); }
 
-    struct FramedWriter
-    {
-      FramedWriter (const CompressionPlan&, SubdivMesh*, BlockStore&, cbvh::BuildStatistics&) {}
-      unsigned boundedFrameLevel (CagePatch&) { return 0; }
-      bool write (CagePatch&, const PatchTiling&) { return false; }
-      const float (*evaluatedVertices (unsigned, unsigned) const)[3] { return nullptr; }
-    };
-  }
-}
+struct FramedWriter {
+  FramedWriter(const CompressionPlan&, SubdivMesh*, BlockStore&, cbvh::BuildStatistics&) {}
+  unsigned boundedFrameLevel(CagePatch&) { return 0; }
+  bool write(CagePatch&, const PatchTiling&) { return false; }
+  const float (*evaluatedVertices(unsigned, unsigned) const)[3] { return nullptr; }
+};
+}} // namespace embree::isa

@@ -4,17 +4,12 @@
 #include "device.h"
 #include "../embree/scene.h"
 
-namespace embree
-{
-  namespace core
-  {
-    Device* newDevice (const char* deviceString)
-    {
-      static MutexSys mutex; // like rtcNewDevice's
-      Lock<MutexSys> lock(mutex);
-      Device* const device = new Device(deviceString);
-      device->refInc();
-      return device;
-    }
-  }
+namespace embree { namespace core {
+Device* newDevice(const char* deviceString) {
+  static MutexSys mutex; // like rtcNewDevice's
+  Lock<MutexSys> lock(mutex);
+  Device* const device = new Device(deviceString);
+  device->refInc();
+  return device;
 }
+}} // namespace embree::core

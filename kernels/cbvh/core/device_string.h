@@ -10,19 +10,18 @@
 #include <string>
 #include <vector>
 
-namespace embree
-{
-  /*! True for Embree's keys and the cbvh keys. */
-  bool isDeviceKey (const std::string& key);
+namespace embree {
+/*! True for Embree's keys and the cbvh keys. */
+bool isDeviceKey(const std::string& key);
 
-  /*! Returns "cbvh_" + name if it is a key, otherwise nearestName() of all keys. For messages. */
-  std::string nearestDeviceKey (const std::string& name);
+/*! Returns "cbvh_" + name if it is a key, otherwise nearestName() of all keys. For messages. */
+std::string nearestDeviceKey(const std::string& name);
 
-  /*! Returns the first of `names` that begins with `name`, otherwise the most similar one. names: not empty. */
-  std::string nearestName (const std::string& name, const std::vector<std::string>& names);
+/*! Returns the first of `names` that begins with `name`, otherwise the most similar one. names: not empty. */
+std::string nearestName(const std::string& name, const std::vector<std::string>& names);
 
-  /*! Checks all keys, and values whose errors Embree ignores. Returns an empty string, or a message with the first
-   *  invalid key and a similar valid one, or with the first invalid value and what is accepted. deviceString: may be
-   *  null. */
-  std::string findDeviceStringError (const char* deviceString);
-}
+/*! Checks all keys, and values whose errors Embree ignores. Returns an empty string, or a message with the first
+ *  invalid key and a similar valid one, or with the first invalid value and what is accepted. deviceString: may be
+ *  null. */
+std::string findDeviceStringError(const char* deviceString);
+} // namespace embree

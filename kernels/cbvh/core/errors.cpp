@@ -6,23 +6,22 @@
 #include <exception>
 #include <new>
 
-namespace embree
-{
-  namespace core
-  {
-    CaughtError caughtError () noexcept
-    {
-      try {
-        try { throw; }
-        catch (const std::bad_alloc&) { throw; }
-        catch (const rtcore_error& error) { return { error.error,error.what() }; }
-        catch (const std::exception& error) { return { RTC_ERROR_UNKNOWN,error.what() }; }
-        catch (...) { return { RTC_ERROR_UNKNOWN,"unknown exception caught" }; }
-      }
-      // also if there is no memory for a copy of the text; this text is so short that std::string allocates nothing
-      catch (const std::bad_alloc&) { return { RTC_ERROR_OUT_OF_MEMORY,"out of memory" }; }
+namespace embree { namespace core {
+CaughtError caughtError() noexcept {
+  try {
+    try {
+      throw;
+    } catch (const std::bad_alloc&) { throw; } catch (const rtcore_error& error) {
+      return {error.error, error.what()};
+    } catch (const std::exception& error) { return {RTC_ERROR_UNKNOWN, error.what()}; } catch (...) {
+      return {RTC_ERROR_UNKNOWN, "unknown exception caught"};
     }
-
-    void throwInvalidArgument (const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,text); }
+  }
+  // also if there is no memory for a copy of the text; this text is so short that std::string allocates nothing
+  catch (const std::bad_alloc&) {
+    return {RTC_ERROR_OUT_OF_MEMORY, "out of memory"};
   }
 }
+
+void throwInvalidArgument(const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT, text); }
+}} // namespace embree::core

@@ -10,23 +10,18 @@
 #include "../../../include/embree3/rtcore.h"
 #include <string>
 
-namespace embree
-{
-  namespace core
-  {
-    struct CaughtError
-    {
-      RTCError code;     //!< never RTC_ERROR_NONE
-      std::string text;
-    };
+namespace embree { namespace core {
+struct CaughtError {
+  RTCError code; //!< never RTC_ERROR_NONE
+  std::string text;
+};
 
-    /*! Returns the exception that the enclosing catch block handles. Exceptions other than rtcore_error and
-     *  std::bad_alloc become RTC_ERROR_UNKNOWN. If there is no memory for its text, any exception becomes
-     *  RTC_ERROR_OUT_OF_MEMORY. Outside of a catch block it ends the process. */
-    CaughtError caughtError () noexcept;
+/*! Returns the exception that the enclosing catch block handles. Exceptions other than rtcore_error and
+ *  std::bad_alloc become RTC_ERROR_UNKNOWN. If there is no memory for its text, any exception becomes
+ *  RTC_ERROR_OUT_OF_MEMORY. Outside of a catch block it ends the process. */
+CaughtError caughtError() noexcept;
 
-    /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. libembree3_vulkan has its own
-     *  definition, in rtcore_vulkan.cpp. */
-    [[noreturn]] void throwInvalidArgument (const std::string& text);
-  }
-}
+/*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. libembree3_vulkan has its own
+ *  definition, in rtcore_vulkan.cpp. */
+[[noreturn]] void throwInvalidArgument(const std::string& text);
+}} // namespace embree::core

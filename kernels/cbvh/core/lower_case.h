@@ -7,13 +7,11 @@
 
 #include <string>
 
-namespace embree
-{
-  /*! Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
-  inline std::string lowerCase (std::string text)
-  {
-    for (char& c : text)
-      if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
-    return text;
-  }
+namespace embree {
+/*! Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
+inline std::string lowerCase(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = char(c + ('a' - 'A'));
+  return text;
 }
+} // namespace embree

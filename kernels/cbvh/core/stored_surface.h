@@ -18,28 +18,26 @@
 #include "../stored/cluster.h"
 #include <functional>
 
-namespace embree
-{
-  class Geometry;
+namespace embree {
+class Geometry;
 
-  namespace core
-  {
-    /*! As rtcFindCompressedTriangle: finds the triangle of a hit. Ng: 3 floats, or null. triangle: written if one is
-     *  found. Cost: decodes a few blocks. The first call after a commit builds an index of 16 bytes per block, plus 4
-     *  per primitive of a quad or triangle mesh. */
-    bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
-                       cbvh::StoredTriangle& triangle);
+namespace core {
+/*! As rtcFindCompressedTriangle: finds the triangle of a hit. Ng: 3 floats, or null. triangle: written if one is
+ *  found. Cost: decodes a few blocks. The first call after a commit builds an index of 16 bytes per block, plus 4
+ *  per primitive of a quad or triangle mesh. */
+bool findTriangle(Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
+                  cbvh::StoredTriangle& triangle);
 
-    /*! Calls closure(part) for all parts, in unspecified order, until it returns false. Cost: decodes each block
-     *  once. */
-    void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
+/*! Calls closure(part) for all parts, in unspecified order, until it returns false. Cost: decodes each block
+ *  once. */
+void forEachPart(Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
 
-    /*! As rtcForEachCompressedCluster: calls closure(cluster) for all clusters, always in the same order, until it
-     *  returns false. statistics: set to sums over the clusters, even after an error. Errors: also
-     *  RTC_ERROR_INVALID_ARGUMENT for an unknown format, and RTC_ERROR_INVALID_OPERATION for more than 2^32
-     *  triangles, or 2^29 with DGF. */
-    void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
-                         const std::function<bool(const cbvh::StoredCluster&)>& closure,
-                         cbvh::ClusterStatistics& statistics);
-  }
-}
+/*! As rtcForEachCompressedCluster: calls closure(cluster) for all clusters, always in the same order, until it
+ *  returns false. statistics: set to sums over the clusters, even after an error. Errors: also
+ *  RTC_ERROR_INVALID_ARGUMENT for an unknown format, and RTC_ERROR_INVALID_OPERATION for more than 2^32
+ *  triangles, or 2^29 with DGF. */
+void forEachCluster(Geometry* geometry, float time, cbvh::ClusterFormat format,
+                    const std::function<bool(const cbvh::StoredCluster&)>& closure,
+                    cbvh::ClusterStatistics& statistics);
+} // namespace core
+} // namespace embree

@@ -17,160 +17,148 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-namespace embree
-{
-  namespace cbvh
-  {
-    namespace
-    {
-      /*! Copy-on-write mapping of a part of a file. It begins `offsetInPage` bytes before the part: 0 unless the
-       *  machine's pages are larger than the file's, as on some ARM64 machines. */
-      struct PrivatePages
-      {
-        const size_t offsetInPage;
-        char* const data;
-        const size_t bytes;
+namespace embree { namespace cbvh {
+namespace {
+/*! Copy-on-write mapping of a part of a file. It begins `offsetInPage` bytes before the part: 0 unless the
+ *  machine's pages are larger than the file's, as on some ARM64 machines. */
+struct PrivatePages {
+  const size_t offsetInPage;
+  char* const data;
+  const size_t bytes;
 
-        PrivatePages (int file, uint64_t offset, size_t bytes)
-          : offsetInPage(size_t(offset % uint64_t(::sysconf(_SC_PAGESIZE)))),
-            data((char*)::mmap(nullptr,offsetInPage+bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,
-                               off_t(offset-offsetInPage)) + offsetInPage),
-            bytes(bytes) {
-          if (data-offsetInPage == MAP_FAILED) throw std::bad_alloc();
-        }
-        ~PrivatePages () { ::munmap(data-offsetInPage,offsetInPage+bytes); }
-      };
+  PrivatePages(int file, uint64_t offset, size_t bytes)
+    : offsetInPage(size_t(offset % uint64_t(::sysconf(_SC_PAGESIZE)))),
+      data((char*)::mmap(nullptr, offsetInPage + bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_NORESERVE, file,
+                         off_t(offset - offsetInPage)) +
+           offsetInPage),
+      bytes(bytes) {
+    if (data - offsetInPage == MAP_FAILED) throw std::bad_alloc();
+  }
+  ~PrivatePages() { ::munmap(data - offsetInPage, offsetInPage + bytes); }
+};
 
-      /*! Memory of a loaded surface's blocks: private pages, or the mapping of the file if pages is null. */
-      struct FileAndPages
-      {
-        std::shared_ptr<const File> file;
-        std::unique_ptr<PrivatePages> pages;
-      };
+/*! Memory of a loaded surface's blocks: private pages, or the mapping of the file if pages is null. */
+struct FileAndPages {
+  std::shared_ptr<const File> file;
+  std::unique_ptr<PrivatePages> pages;
+};
 
-      BBox3fa boundsOf (const float lower[3], const float upper[3]) {
-        return BBox3fa(Vec3fa(lower[0],lower[1],lower[2]),Vec3fa(upper[0],upper[1],upper[2]));
-      }
+BBox3fa boundsOf(const float lower[3], const float upper[3]) {
+  return BBox3fa(Vec3fa(lower[0], lower[1], lower[2]), Vec3fa(upper[0], upper[1], upper[2]));
+}
 
-      /*! Sink of TreeReader: builds the same tree from Embree's nodes, or stores a list's entries. */
-      class SurfaceLoader
-      {
-      public:
-        typedef BVH4::NodeRef Ref;
+/*! Sink of TreeReader: builds the same tree from Embree's nodes, or stores a list's entries. */
+class SurfaceLoader {
+public:
+  typedef BVH4::NodeRef Ref;
 
-        SurfaceLoader (const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
-          : file(file), i(i), mapped(mapped), surface(surface)
-        {
-          const FileGeometry& record = file.geometry(i);
-          if (record.form == FILE_TREE)
-            surface.memory.reserve(size_t(record.treeBytes/sizeof(FileNode))*sizeof(BVH4::AABBNode));
-        }
+  SurfaceLoader(const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
+    : file(file),
+      i(i),
+      mapped(mapped),
+      surface(surface) {
+    const FileGeometry& record = file.geometry(i);
+    if (record.form == FILE_TREE)
+      surface.memory.reserve(size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode));
+  }
 
-        Ref leaf (FileChild type, uint64_t offset)
-        {
-          if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
-            const BlockFormat format = formatOfBlock(typeOf(type));
-            if (const Reason reason = mapped.accept(size_t(offset),format))
-              file.fail(i,"the block at " + std::to_string(offset) + ": ",reason);
-          }
+  Ref leaf(FileChild type, uint64_t offset) {
+    if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
+      const BlockFormat format = formatOfBlock(typeOf(type));
+      if (const Reason reason = mapped.accept(size_t(offset), format))
+        file.fail(i, "the block at " + std::to_string(offset) + ": ", reason);
+    }
 #if defined(EMBREE_CBVH_NO_PAPER)
-          if (type == FILE_FRAMED)
-            file.failUnsupported(i,"it has blocks with frames: expected a library that was built with the paper's "
-                                   "representations");
+    if (type == FILE_FRAMED)
+      file.failUnsupported(i, "it has blocks with frames: expected a library that was built with the paper's "
+                              "representations");
 #endif
-          surface.types |= 1u << typeOf(type);
-          return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),typeOf(type));
-        }
+    surface.types |= 1u << typeOf(type);
+    return BVH4::encodeTypedLeaf((void*)(mapped.first() + offset), typeOf(type));
+  }
 
-        static PrimitiveType typeOf (FileChild child)
-        {
-          switch (child) {
-          case FILE_MOVING_VERT: return MOVING_VERT_BLOCK;
-          case FILE_VERT: return VERT_BLOCK;
-          case FILE_MESH: return MESH_BLOCK;
-          case FILE_MOVING_MESH: return MOVING_MESH_BLOCK;
-          default: return FRAMED_BLOCK;
-          }
-        }
-
-        BVH4::AABBNode* beginNode ()
-        {
-          BVH4::AABBNode* const node = (BVH4::AABBNode*)
-            surface.memory.pool()->getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
-          node->clear();
-          return node;
-        }
-
-        static void setChild (BVH4::AABBNode* node, unsigned i, const float lower[3], const float upper[3], Ref ref)
-        {
-          node->setBounds(i,boundsOf(lower,upper));
-          node->setRef(i,ref);
-        }
-
-        static Ref endNode (BVH4::AABBNode* node) { return BVH4::encodeNode(node); }
-
-        void entry (const FileEntry& entry, Ref ref)
-        {
-          if (file.geometry(i).form == FILE_MOVING) surface.moving.push_back(ref);
-          else surface.parts.push_back(PrimRef(boundsOf(entry.lower,entry.upper),size_t(ref)));
-        }
-
-      private:
-        const File& file;
-        const size_t i;
-        const MappedBlocks& mapped;
-        SurfaceBlocks& surface;
-      };
-      static_assert(TreeReader<SurfaceLoader>::maxDepth <= BVH4::maxBuildDepthLeaf,
-                    "traversal supports the depth of trees in files");
-    }
-
-    std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const File>& file, Device* device, size_t i)
-    {
-      const FileGeometry& record = file->geometry(i);
-      const uint32_t moving = record.surface & movingSurface;
-      const auto number = std::make_shared<const SurfaceNumber>(record.surface & ~movingSurface);
-      const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
-      const uint32_t ownNumber = *number | moving;
-
-      /* Blocks contain a surface number (base/surface_ids.h). If another surface has the number of the file, this
-       * surface gets a different one, and copy-on-write pages to store it. */
-      std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
-      memory->file = file;
-      char* first = (char*)file->blocks(i);
-      if (ownNumber != record.surface && record.blockBytes) {
-        memory->pages.reset(new PrivatePages(file->descriptor(),record.blocks,
-                                             size_t(record.blockBytes+fileReadPadding)));
-        first = memory->pages->data;
-      }
-      const std::shared_ptr<const File> owner(memory,file.get());
-      const std::shared_ptr<const MappedBlocks> mapped =
-        std::make_shared<MappedBlocks>(device,owner,first,record,ownNumber,
-                                       file->path + ": geometry " + std::to_string(i));
-      surface->mapped = mapped;
-      surface->bounds = areBounds(record.lower,record.upper) ? boundsOf(record.lower,record.upper) : BBox3fa(empty);
-      surface->numPrimRefs = size_t(record.numBlocks);
-      surface->statistics = statisticsOf(record);
-      SurfaceLoader loader(*file,i,*mapped,*surface);
-      BVH4::NodeRef root;
-      TreeReader<SurfaceLoader> reader(record,file->tree(i),loader);
-      if (const Reason reason = reader.read(root)) file->fail(i,"",reason);
-      if (record.form == FILE_TREE) {
-        surface->root = isa::moveLargestNodes(root,size_t(reader.numNodes()),*surface->memory.pool());
-        isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);
-      }
-      surface->memory.detachThreads();
-      invalidateThreadCaches(); // other blocks may have had these addresses
-      return surface;
-    }
-
-    void verifyFile (const File& file)
-    {
-      file.verify([](const FileGeometry& record, const void* block, size_t bytes) {
-          const Reason reason = validateFramedBlock(block,bytes,record.numPrimitives);
-          return !reason && ((const BlockHeader*)block)->surface != record.surface
-              ? Reason::damaged("its surface number differs from its geometry's") : reason;
-        });
+  static PrimitiveType typeOf(FileChild child) {
+    switch (child) {
+    case FILE_MOVING_VERT: return MOVING_VERT_BLOCK;
+    case FILE_VERT: return VERT_BLOCK;
+    case FILE_MESH: return MESH_BLOCK;
+    case FILE_MOVING_MESH: return MOVING_MESH_BLOCK;
+    default: return FRAMED_BLOCK;
     }
   }
+
+  BVH4::AABBNode* beginNode() {
+    BVH4::AABBNode* const node = (BVH4::AABBNode*)surface.memory.pool()->getCachedAllocator().malloc0(
+        sizeof(BVH4::AABBNode), BVH4::byteNodeAlignment);
+    node->clear();
+    return node;
+  }
+
+  static void setChild(BVH4::AABBNode* node, unsigned i, const float lower[3], const float upper[3], Ref ref) {
+    node->setBounds(i, boundsOf(lower, upper));
+    node->setRef(i, ref);
+  }
+
+  static Ref endNode(BVH4::AABBNode* node) { return BVH4::encodeNode(node); }
+
+  void entry(const FileEntry& entry, Ref ref) {
+    if (file.geometry(i).form == FILE_MOVING) surface.moving.push_back(ref);
+    else surface.parts.push_back(PrimRef(boundsOf(entry.lower, entry.upper), size_t(ref)));
+  }
+
+private:
+  const File& file;
+  const size_t i;
+  const MappedBlocks& mapped;
+  SurfaceBlocks& surface;
+};
+static_assert(TreeReader<SurfaceLoader>::maxDepth <= BVH4::maxBuildDepthLeaf,
+              "traversal supports the depth of trees in files");
+} // namespace
+
+std::shared_ptr<const SurfaceBlocks> loadSurface(const std::shared_ptr<const File>& file, Device* device, size_t i) {
+  const FileGeometry& record = file->geometry(i);
+  const uint32_t moving = record.surface & movingSurface;
+  const auto number = std::make_shared<const SurfaceNumber>(record.surface & ~movingSurface);
+  const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device, number);
+  const uint32_t ownNumber = *number | moving;
+
+  /* Blocks contain a surface number (base/surface_ids.h). If another surface has the number of the file, this
+   * surface gets a different one, and copy-on-write pages to store it. */
+  std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
+  memory->file = file;
+  char* first = (char*)file->blocks(i);
+  if (ownNumber != record.surface && record.blockBytes) {
+    memory->pages.reset(
+        new PrivatePages(file->descriptor(), record.blocks, size_t(record.blockBytes + fileReadPadding)));
+    first = memory->pages->data;
+  }
+  const std::shared_ptr<const File> owner(memory, file.get());
+  const std::shared_ptr<const MappedBlocks> mapped = std::make_shared<MappedBlocks>(
+      device, owner, first, record, ownNumber, file->path + ": geometry " + std::to_string(i));
+  surface->mapped = mapped;
+  surface->bounds = areBounds(record.lower, record.upper) ? boundsOf(record.lower, record.upper) : BBox3fa(empty);
+  surface->numPrimRefs = size_t(record.numBlocks);
+  surface->statistics = statisticsOf(record);
+  SurfaceLoader loader(*file, i, *mapped, *surface);
+  BVH4::NodeRef root;
+  TreeReader<SurfaceLoader> reader(record, file->tree(i), loader);
+  if (const Reason reason = reader.read(root)) file->fail(i, "", reason);
+  if (record.form == FILE_TREE) {
+    surface->root = isa::moveLargestNodes(root, size_t(reader.numNodes()), *surface->memory.pool());
+    isa::TreeCutter(surface->parts).cut(surface->root, surface->bounds);
+  }
+  surface->memory.detachThreads();
+  invalidateThreadCaches(); // other blocks may have had these addresses
+  return surface;
 }
+
+void verifyFile(const File& file) {
+  file.verify([](const FileGeometry& record, const void* block, size_t bytes) {
+    const Reason reason = validateFramedBlock(block, bytes, record.numPrimitives);
+    return !reason && ((const BlockHeader*)block)->surface != record.surface
+               ? Reason::damaged("its surface number differs from its geometry's")
+               : reason;
+  });
+}
+}} // namespace embree::cbvh

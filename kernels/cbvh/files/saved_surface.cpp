@@ -14,133 +14,130 @@
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
 
-namespace embree
-{
-  namespace cbvh
-  {
-    static_assert(fileFramedVersion == formatVersion,"files have the version of blocks with frames");
-    static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_CGRID)
-                  && FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_CVERT),"files have values of RTCCompression");
+namespace embree { namespace cbvh {
+static_assert(fileFramedVersion == formatVersion, "files have the version of blocks with frames");
+static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_CGRID) &&
+                  FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_CVERT),
+              "files have values of RTCCompression");
 
-    namespace
-    {
-      /*! Converts a surface's tree and lists its blocks. The result is a tree, a list of blocks with bounds, or a list
-       *  of moving blocks without bounds. */
-      class TreeConverter
-      {
-      public:
-        TreeConverter (const SurfaceBlocks& surface, bool moves, FileSurface& to) : to(to)
-        {
-          to.record.form = moves ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
-          if (to.record.form == FILE_TREE) node(surface.root);
-          if (to.record.form == FILE_LIST)
-            for (const PrimRef& part : surface.parts) entry(part.bounds(),BVH4::NodeRef(part.ID()));
-          if (to.record.form == FILE_MOVING)
-            for (size_t ref : surface.moving) entry(BBox3fa(Vec3fa(zero),Vec3fa(zero)),BVH4::NodeRef(ref));
-        }
+namespace {
+/*! Converts a surface's tree and lists its blocks. The result is a tree, a list of blocks with bounds, or a list
+ *  of moving blocks without bounds. */
+class TreeConverter {
+public:
+  TreeConverter(const SurfaceBlocks& surface, bool moves, FileSurface& to) : to(to) {
+    to.record.form = moves ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
+    if (to.record.form == FILE_TREE) node(surface.root);
+    if (to.record.form == FILE_LIST)
+      for (const PrimRef& part : surface.parts) entry(part.bounds(), BVH4::NodeRef(part.ID()));
+    if (to.record.form == FILE_MOVING)
+      for (size_t ref : surface.moving) entry(BBox3fa(Vec3fa(zero), Vec3fa(zero)), BVH4::NodeRef(ref));
+  }
 
-      private:
-        uint64_t leaf (BVH4::NodeRef ref)
-        {
-          size_t type;
-          const void* const block = ref.leaf(type);
-          if (!isBlock(type))
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry cannot be saved: a part of it is left to GRID "
-                           "because of its edge rates or because it has no valid frame; expected compressed blocks "
-                           "only, as with cVERT");
-          const BlockFormat format = formatOfBlock(type);
-          if (!isMovingBlock(type) && !isBlockValid(block,format))
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                           "the geometry cannot be saved: the file that it was loaded from has a damaged block");
-          return to.append(fileTypeOf(type),block,bytesOfBlock(block,format),offsetOfSurface(format));
-        }
+private:
+  uint64_t leaf(BVH4::NodeRef ref) {
+    size_t type;
+    const void* const block = ref.leaf(type);
+    if (!isBlock(type))
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                     "the geometry cannot be saved: a part of it is left to GRID "
+                     "because of its edge rates or because it has no valid frame; expected compressed blocks "
+                     "only, as with cVERT");
+    const BlockFormat format = formatOfBlock(type);
+    if (!isMovingBlock(type) && !isBlockValid(block, format))
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                     "the geometry cannot be saved: the file that it was loaded from has a damaged block");
+    return to.append(fileTypeOf(type), block, bytesOfBlock(block, format), offsetOfSurface(format));
+  }
 
-        static FileChild fileTypeOf (size_t type)
-        {
-          switch (type) {
-          case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;
-          case VERT_BLOCK: return FILE_VERT;
-          case MESH_BLOCK: return FILE_MESH;
-          case MOVING_MESH_BLOCK: return FILE_MOVING_MESH;
-          default: return FILE_FRAMED;
-          }
-        }
-
-        uint64_t child (BVH4::NodeRef ref)
-        {
-          if (ref == BVH4::emptyNode) return FILE_NONE;
-          return ref.isLeaf() ? leaf(ref) : node(ref);
-        }
-
-        uint64_t node (BVH4::NodeRef ref)
-        {
-          const BVH4::AABBNode* const from = ref.getAABBNode();
-          const size_t begin = to.tree.size();
-          to.tree.resize(begin + sizeof(FileNode));
-          FileNode node;
-          const vfloat4* const planes[3][2] = { { &from->lower_x,&from->upper_x },{ &from->lower_y,&from->upper_y },
-                                                { &from->lower_z,&from->upper_z } };
-          for (size_t i=0; i<4; i++) {
-            node.children[i] = child(from->child(i));
-            for (int k=0; k<3; k++)
-              for (int side=0; side<2; side++)
-                node.planes[k][side][i] = node.children[i] == FILE_NONE ? 0.0f : (*planes[k][side])[i];
-            if (node.children[i] == FILE_NONE) continue;
-            float lower[3], upper[3];
-            for (int k=0; k<3; k++) { lower[k] = node.planes[k][0][i]; upper[k] = node.planes[k][1][i]; }
-            requireBounds(lower,upper);
-          }
-          memcpy(to.tree.data()+begin,&node,sizeof(node));
-          return begin | FILE_NODE;
-        }
-
-        /*! Throws for bounds that loadSurface() rejects. */
-        static void requireBounds (const float lower[3], const float upper[3]) {
-          if (areBounds(lower,upper)) return;
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                         "the geometry cannot be saved: the bounds of a block are not finite");
-        }
-
-        void entry (const BBox3fa& bounds, BVH4::NodeRef ref)
-        {
-          if (!ref.isLeaf()) throw_RTCError(RTC_ERROR_UNKNOWN,"a list of blocks has a node");
-          FileEntry entry;
-          for (int k=0; k<3; k++) { entry.lower[k] = bounds.lower[k]; entry.upper[k] = bounds.upper[k]; }
-          requireBounds(entry.lower,entry.upper);
-          entry.child = leaf(ref);
-          to.tree.insert(to.tree.end(),(const char*)&entry,(const char*)(&entry+1));
-        }
-
-        FileSurface& to;
-      };
-
-      uint32_t sourceOf (const CompressibleGeometry* geometry)
-      {
-        switch (geometry->ownType) {
-        case Geometry::GTY_GRID_MESH: return FILE_GRIDS;
-        case Geometry::GTY_QUAD_MESH: return FILE_QUADS;
-        case Geometry::GTY_TRIANGLE_MESH: return FILE_TRIANGLES;
-        default: return FILE_CAGE;
-        }
-      }
-    }
-
-    FileSurface toFileSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks)
-    {
-      FileSurface surface;
-      const bool moves = geometry->numTimeSteps != 1;
-      TreeConverter(blocks,moves,surface);
-      FileGeometry& record = surface.record;
-      record.source = sourceOf(geometry);
-      record.numPrimitives = geometry->numPrimitives;
-      record.numTimeSteps = geometry->numTimeSteps;
-      record.begin = geometry->time_range.lower;
-      record.end = geometry->time_range.upper;
-      record.compression = moves || record.source != FILE_CAGE
-        ? RTC_COMPRESSION_CVERT : geometry->compression.resolve(geometry->device->compression).compression;
-      for (int k=0; k<3; k++) { record.lower[k] = blocks.bounds.lower[k]; record.upper[k] = blocks.bounds.upper[k]; }
-      setStatistics(record,blocks.statistics);
-      return surface;
+  static FileChild fileTypeOf(size_t type) {
+    switch (type) {
+    case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;
+    case VERT_BLOCK: return FILE_VERT;
+    case MESH_BLOCK: return FILE_MESH;
+    case MOVING_MESH_BLOCK: return FILE_MOVING_MESH;
+    default: return FILE_FRAMED;
     }
   }
+
+  uint64_t child(BVH4::NodeRef ref) {
+    if (ref == BVH4::emptyNode) return FILE_NONE;
+    return ref.isLeaf() ? leaf(ref) : node(ref);
+  }
+
+  uint64_t node(BVH4::NodeRef ref) {
+    const BVH4::AABBNode* const from = ref.getAABBNode();
+    const size_t begin = to.tree.size();
+    to.tree.resize(begin + sizeof(FileNode));
+    FileNode node;
+    const vfloat4* const planes[3][2] = {
+        {&from->lower_x, &from->upper_x}, {&from->lower_y, &from->upper_y}, {&from->lower_z, &from->upper_z}};
+    for (size_t i = 0; i < 4; i++) {
+      node.children[i] = child(from->child(i));
+      for (int k = 0; k < 3; k++)
+        for (int side = 0; side < 2; side++)
+          node.planes[k][side][i] = node.children[i] == FILE_NONE ? 0.0f : (*planes[k][side])[i];
+      if (node.children[i] == FILE_NONE) continue;
+      float lower[3], upper[3];
+      for (int k = 0; k < 3; k++) {
+        lower[k] = node.planes[k][0][i];
+        upper[k] = node.planes[k][1][i];
+      }
+      requireBounds(lower, upper);
+    }
+    memcpy(to.tree.data() + begin, &node, sizeof(node));
+    return begin | FILE_NODE;
+  }
+
+  /*! Throws for bounds that loadSurface() rejects. */
+  static void requireBounds(const float lower[3], const float upper[3]) {
+    if (areBounds(lower, upper)) return;
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION, "the geometry cannot be saved: the bounds of a block are not finite");
+  }
+
+  void entry(const BBox3fa& bounds, BVH4::NodeRef ref) {
+    if (!ref.isLeaf()) throw_RTCError(RTC_ERROR_UNKNOWN, "a list of blocks has a node");
+    FileEntry entry;
+    for (int k = 0; k < 3; k++) {
+      entry.lower[k] = bounds.lower[k];
+      entry.upper[k] = bounds.upper[k];
+    }
+    requireBounds(entry.lower, entry.upper);
+    entry.child = leaf(ref);
+    to.tree.insert(to.tree.end(), (const char*)&entry, (const char*)(&entry + 1));
+  }
+
+  FileSurface& to;
+};
+
+uint32_t sourceOf(const CompressibleGeometry* geometry) {
+  switch (geometry->ownType) {
+  case Geometry::GTY_GRID_MESH: return FILE_GRIDS;
+  case Geometry::GTY_QUAD_MESH: return FILE_QUADS;
+  case Geometry::GTY_TRIANGLE_MESH: return FILE_TRIANGLES;
+  default: return FILE_CAGE;
+  }
 }
+} // namespace
+
+FileSurface toFileSurface(const CompressibleGeometry* geometry, const SurfaceBlocks& blocks) {
+  FileSurface surface;
+  const bool moves = geometry->numTimeSteps != 1;
+  TreeConverter(blocks, moves, surface);
+  FileGeometry& record = surface.record;
+  record.source = sourceOf(geometry);
+  record.numPrimitives = geometry->numPrimitives;
+  record.numTimeSteps = geometry->numTimeSteps;
+  record.begin = geometry->time_range.lower;
+  record.end = geometry->time_range.upper;
+  record.compression = moves || record.source != FILE_CAGE
+                           ? RTC_COMPRESSION_CVERT
+                           : geometry->compression.resolve(geometry->device->compression).compression;
+  for (int k = 0; k < 3; k++) {
+    record.lower[k] = blocks.bounds.lower[k];
+    record.upper[k] = blocks.bounds.upper[k];
+  }
+  setStatistics(record, blocks.statistics);
+  return surface;
+}
+}} // namespace embree::cbvh

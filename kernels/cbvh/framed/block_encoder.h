@@ -22,73 +22,71 @@
 #include "leaf/encoder.h"
 #include "voxel/encoder.h"
 
-namespace embree
-{
-  namespace cbvh { inline namespace CBVH_ISA
-  {
-    class BlockEncoder
-    {
-    public:
-      /*! Arguments: see BlockGeometry. fit() must return true before encode() is called. */
-      BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
-        : kind(kind), geometry(kind,height,vertices,scratch) {}
+namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+class BlockEncoder {
+public:
+  /*! Arguments: see BlockGeometry. fit() must return true before encode() is called. */
+  BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
+    : kind(kind),
+      geometry(kind, height, vertices, scratch) {}
 
-      static size_t scratchBytes(uint32_t height) { return BlockGeometry::scratchBytes(height); }
-      bool fit(const float corners[4][3]) { return geometry.fit(corners); }
-      bool isDegenerate() const { return geometry.isDegenerate(); }
+  static size_t scratchBytes(uint32_t height) { return BlockGeometry::scratchBytes(height); }
+  bool fit(const float corners[4][3]) { return geometry.fit(corners); }
+  bool isDegenerate() const { return geometry.isDegenerate(); }
 
-      /*! Writes frame, info, nodes and leaves. The caller must set surface, primID and tiling. block:
-       *  blockLayout(kind,height).bytes bytes, aligned to 16 bytes. x, y: position in the patch, in blocks. sharpSides:
-       *  mask of the block's sides (surface/source.h) where the surface ends or bends (sharpSidesOf()), for statistics.
-       *  Sets statistics.affine, and adds to the other members. */
-      void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
-      {
-        block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
-        memcpy(block->center,geometry.frame.center,sizeof(block->center));
-        memcpy(block->columns,geometry.frame.columns,sizeof(block->columns));
-        geometry.computeBounds();
-        statistics.affine = !geometry.frame.projective;
-        statistics.invalidQuads += geometry.invalidQuads;
-        switch (kind) {
-        case Kind::CGRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
-        case Kind::CVOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
-        case Kind::CLEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
-        case Kind::CVERT : break; // has no frame: cvert/encoder/block_encoder.h
-        }
-      }
+  /*! Writes frame, info, nodes and leaves. The caller must set surface, primID and tiling. block:
+   *  blockLayout(kind,height).bytes bytes, aligned to 16 bytes. x, y: position in the patch, in blocks. sharpSides:
+   *  mask of the block's sides (surface/source.h) where the surface ends or bends (sharpSidesOf()), for statistics.
+   *  Sets statistics.affine, and adds to the other members. */
+  void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0) {
+    block->info = blockInfo(uint32_t(kind), geometry.height, x, y);
+    memcpy(block->center, geometry.frame.center, sizeof(block->center));
+    memcpy(block->columns, geometry.frame.columns, sizeof(block->columns));
+    geometry.computeBounds();
+    statistics.affine = !geometry.frame.projective;
+    statistics.invalidQuads += geometry.invalidQuads;
+    switch (kind) {
+    case Kind::CGRID: encodeWith(GridEncoder(geometry, block, statistics), block); break;
+    case Kind::CVOXEL: encodeWith(VoxelEncoder(geometry, block, statistics), block); break;
+    case Kind::CLEAF: encodeWith(LeafEncoder(geometry, block, sharpSides, statistics), block); break;
+    case Kind::CVERT: break; // has no frame: cvert/encoder/block_encoder.h
+    }
+  }
 
-      /* See block_bounds.h. Require encode(). */
-      WorldBounds surfaceBounds() const { return boundSurface(geometry); }
-      void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
+  /* See block_bounds.h. Require encode(). */
+  WorldBounds surfaceBounds() const { return boundSurface(geometry); }
+  void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds, block, geometry).extend(); }
 
-    private:
-      template<typename Encoder>
-      void encodeWith(Encoder encoder, Block* block)
-      {
-        encodeSubtree(encoder,block->nodes(),block->layout().nodeLevels,0,0,rootBox());
-        encoder.finish();
-      }
+private:
+  template<typename Encoder>
+  void encodeWith(Encoder encoder, Block* block) {
+    encodeSubtree(encoder, block->nodes(), block->layout().nodeLevels, 0, 0, rootBox());
+    encoder.finish();
+  }
 
-      /*! Encodes node m of a level, and everything below. nodes: words of the block. box: decoded box of the node. */
-      template<typename Encoder>
-      void encodeSubtree(Encoder& encoder, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m,
-        const NodeBox& box)
-      {
-        if (level == nodeLevels) { encoder.encodeLeaf(m,box); return; }
-        uint32_t& word = nodes[nodesOfLevels(level)+m];
-        if (level+1 == nodeLevels && hasGroups(uint32_t(kind))) { word = encoder.encodeGroup(m,box); return; }
-        word = encodeNode(box,&geometry.boxOf(level+1,4*m));
-        const NodeBoxes boxes(word,box);
-        if (level+2 == nodeLevels && hasGroups(uint32_t(kind))) {
-          encoder.encodeSiblingGroups(4*m,boxes,nodes+nodesOfLevels(level+1)+4*m);
-          return;
-        }
-        for (uint32_t c=0; c<4; c++)
-          encodeSubtree(encoder,nodes,nodeLevels,level+1,4*m+c,boxes[c]);
-      }
+  /*! Encodes node m of a level, and everything below. nodes: words of the block. box: decoded box of the node. */
+  template<typename Encoder>
+  void encodeSubtree(Encoder& encoder, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m,
+                     const NodeBox& box) {
+    if (level == nodeLevels) {
+      encoder.encodeLeaf(m, box);
+      return;
+    }
+    uint32_t& word = nodes[nodesOfLevels(level) + m];
+    if (level + 1 == nodeLevels && hasGroups(uint32_t(kind))) {
+      word = encoder.encodeGroup(m, box);
+      return;
+    }
+    word = encodeNode(box, &geometry.boxOf(level + 1, 4 * m));
+    const NodeBoxes boxes(word, box);
+    if (level + 2 == nodeLevels && hasGroups(uint32_t(kind))) {
+      encoder.encodeSiblingGroups(4 * m, boxes, nodes + nodesOfLevels(level + 1) + 4 * m);
+      return;
+    }
+    for (uint32_t c = 0; c < 4; c++) encodeSubtree(encoder, nodes, nodeLevels, level + 1, 4 * m + c, boxes[c]);
+  }
 
-      Kind kind;
-      BlockGeometry geometry;
-    };
-  }}
-}
+  Kind kind;
+  BlockGeometry geometry;
+};
+}}} // namespace embree::cbvh::CBVH_ISA

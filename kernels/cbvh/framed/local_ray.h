@@ -41,13 +41,11 @@ CVERT_CONSTANT float relativeBoxRadius = 0.75f;
 /*! Represents infinity in ranges of parameters. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
 
-CVERT_REAL struct Range
-{
+CVERT_REAL struct Range {
   Real lower, upper;
 };
 
-CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
-{
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange(Real lower, Real upper) {
   CVERT_OF(Range) range;
   range.lower = lower;
   range.upper = upper;
@@ -55,24 +53,21 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
 }
 
 /*! Clips a range of s to the part where o + s d >= 0. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
-{
-  if (d > Real(0)) range.lower = maximum(range.lower,-o/d);
-  else if (d < Real(0)) range.upper = minimum(range.upper,-o/d);
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange(CVERT_OF(Range) range, Real o, Real d) {
+  if (d > Real(0)) range.lower = maximum(range.lower, -o / d);
+  else if (d < Real(0)) range.upper = minimum(range.upper, -o / d);
   else if (o < Real(0)) range.upper = Real(-beyondAll);
   return range;
 }
 
 /*! tnear, tfar: in units of dir. */
-CVERT_REAL struct WorldRay
-{
+CVERT_REAL struct WorldRay {
   Real org[3], dir[3];
   Real tnear, tfar;
 };
 
 /*! The part of a ray in a block's box. */
-CVERT_REAL struct Segment
-{
+CVERT_REAL struct Segment {
   Real P0[3], P1[3]; //!< both ends in the frame
   Real epsilon[3];   //!< see the top of this file
   Real t0, t1;       //!< parameters of the ray at both ends
@@ -83,106 +78,99 @@ CVERT_REAL struct Segment
 };
 
 /*! Component k of epsilon, times W. distance: largest component of the ray's origin relative to the center. */
-CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
-{
+CVERT_REAL CVERT_FUNCTION Real rayEpsilon(BlockHeader block, Real distance, int k) {
   Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
-  for (int j=0; j<4; j++)
-  {
+  for (int j = 0; j < 4; j++) {
     Real stretch = Real(0);
-    for (int i=0; i<3; i++) stretch += magnitude(Real(block.columns[i][j]));
+    for (int i = 0; i < 3; i++) stretch += magnitude(Real(block.columns[i][j]));
     if (j == k) stretchK = stretch;
     if (j == 3) stretchW = stretch;
-    else shortest = minimum(shortest,stretch);
+    else shortest = minimum(shortest, stretch);
   }
-  Real farthest = distance + Real(relativeBoxRadius)/shortest;
-  return Real(distanceUlps*floatUlp)*farthest*(stretchK+stretchW) + Real(unitUlps*floatUlp);
+  Real farthest = distance + Real(relativeBoxRadius) / shortest;
+  return Real(distanceUlps * floatUlp) * farthest * (stretchK + stretchW) + Real(unitUlps * floatUlp);
 }
 
 /*! Maps a ray into a block's frame, and clips it to the block's box. widening: factor of epsilon, 1 in traversal. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
-{
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock(BlockHeader block, CVERT_OF(WorldRay) ray, Real widening) {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
-  for (int i=0; i<3; i++) {
+  for (int i = 0; i < 3; i++) {
     o[i] = ray.org[i] - Real(block.center[i]);
-    od += o[i]*ray.dir[i];
-    dd += ray.dir[i]*ray.dir[i];
-    distance = maximum(distance,magnitude(o[i]));
+    od += o[i] * ray.dir[i];
+    dd += ray.dir[i] * ray.dir[i];
+    distance = maximum(distance, magnitude(o[i]));
   }
-  Real tref = -od/dd;
+  Real tref = -od / dd;
   Real O[4], D[4];
-  for (int k=0; k<4; k++)
-  {
+  for (int k = 0; k < 4; k++) {
     O[k] = k == 3 ? Real(1) : Real(0.5f);
     D[k] = Real(0);
-    for (int i=0; i<3; i++) {
-      O[k] += (o[i] + tref*ray.dir[i])*Real(block.columns[i][k]);
-      D[k] += ray.dir[i]*Real(block.columns[i][k]);
+    for (int i = 0; i < 3; i++) {
+      O[k] += (o[i] + tref * ray.dir[i]) * Real(block.columns[i][k]);
+      D[k] += ray.dir[i] * Real(block.columns[i][k]);
     }
   }
 
   CVERT_OF(Segment) segment;
   /* clips to X >= 0, W-X >= 0, and so on, which are linear in the parameter */
-  CVERT_OF(Range) inBox = makeRange(Real(-beyondAll),Real(beyondAll));
-  for (int k=0; k<3; k++) {
-    segment.epsilon[k] = widening*rayEpsilon(block,distance,k);
-    inBox = clipRange(inBox,O[k]+segment.epsilon[k],D[k]);
-    inBox = clipRange(inBox,O[3]-O[k]+segment.epsilon[k],D[3]-D[k]);
+  CVERT_OF(Range) inBox = makeRange(Real(-beyondAll), Real(beyondAll));
+  for (int k = 0; k < 3; k++) {
+    segment.epsilon[k] = widening * rayEpsilon(block, distance, k);
+    inBox = clipRange(inBox, O[k] + segment.epsilon[k], D[k]);
+    inBox = clipRange(inBox, O[3] - O[k] + segment.epsilon[k], D[3] - D[k]);
   }
-  Real tauNear = ray.tnear-tref, tauFar = ray.tfar-tref;
+  Real tauNear = ray.tnear - tref, tauFar = ray.tfar - tref;
   segment.startClipped = tauNear > inBox.lower;
   segment.endClipped = tauFar < inBox.upper;
-  Real tau0 = maximum(tauNear,inBox.lower), tau1 = minimum(tauFar,inBox.upper);
+  Real tau0 = maximum(tauNear, inBox.lower), tau1 = minimum(tauFar, inBox.upper);
   segment.t0 = tref + tau0;
   segment.t1 = tref + tau1;
-  segment.w0 = O[3] + tau0*D[3];
-  segment.w1 = O[3] + tau1*D[3];
+  segment.w0 = O[3] + tau0 * D[3];
+  segment.w1 = O[3] + tau1 * D[3];
   segment.valid = tau0 <= tau1 && segment.w0 > Real(0) && segment.w1 > Real(0);
-  for (int k=0; k<3; k++) {
-    segment.P0[k] = (O[k] + tau0*D[k])/segment.w0;
-    segment.P1[k] = (O[k] + tau1*D[k])/segment.w1;
-    segment.epsilon[k] /= minimum(segment.w0,segment.w1);
+  for (int k = 0; k < 3; k++) {
+    segment.P0[k] = (O[k] + tau0 * D[k]) / segment.w0;
+    segment.P1[k] = (O[k] + tau1 * D[k]) / segment.w1;
+    segment.epsilon[k] /= minimum(segment.w0, segment.w1);
   }
   return segment;
 }
 
 /*! tau(s), see above. */
-CVERT_REAL CVERT_FUNCTION Real worldFraction (Real w0, Real w1, Real s)
-{
-  Real sw = s*w0;
-  return sw/(w1*(Real(1)-s) + sw);
+CVERT_REAL CVERT_FUNCTION Real worldFraction(Real w0, Real w1, Real s) {
+  Real sw = s * w0;
+  return sw / (w1 * (Real(1) - s) + sw);
 }
 
 /*! Inverse of worldFraction. Rounds like NodeRays::parameterAfter. */
-CVERT_REAL CVERT_FUNCTION Real localFraction (Real w0, Real w1, Real tau)
-{
-  Real tw = product(tau,w1);
-  return tw/(product(w0,Real(1)-tau) + tw);
+CVERT_REAL CVERT_FUNCTION Real localFraction(Real w0, Real w1, Real tau) {
+  Real tw = product(tau, w1);
+  return tw / (product(w0, Real(1) - tau) + tw);
 }
 
 /*! Distance along the world-space ray at s. */
-CVERT_REAL CVERT_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
-  return segment.t0 + worldFraction(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
+CVERT_REAL CVERT_FUNCTION Real worldT(CVERT_OF(Segment) segment, Real s) {
+  return segment.t0 + worldFraction(segment.w0, segment.w1, s) * (segment.t1 - segment.t0);
 }
 
-CVERT_REAL CVERT_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Real s) {
-  return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
+CVERT_REAL CVERT_FUNCTION Real segmentAt(CVERT_OF(Segment) segment, int axis, Real s) {
+  return segment.P0[axis] + s * (segment.P1[axis] - segment.P0[axis]);
 }
 
 /*! Range of s in which the segment's line is inside of a box widened by epsilon, on the first `axes` (2 or 3) axes. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
-{
-  CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
-  for (int k=0; k<axes; k++) {
-    Real d = segment.P1[k]-segment.P0[k];
-    range = clipRange(range,segment.P0[k]-Real(box.lower[k])+segment.epsilon[k],d);
-    range = clipRange(range,Real(upperOf(box,k))-segment.P0[k]+segment.epsilon[k],-d);
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox(CVERT_OF(Segment) segment, NodeBox box, int axes) {
+  CVERT_OF(Range) range = makeRange(Real(-beyondAll), Real(beyondAll));
+  for (int k = 0; k < axes; k++) {
+    Real d = segment.P1[k] - segment.P0[k];
+    range = clipRange(range, segment.P0[k] - Real(box.lower[k]) + segment.epsilon[k], d);
+    range = clipRange(range, Real(upperOf(box, k)) - segment.P0[k] + segment.epsilon[k], -d);
   }
   return range;
 }
 
 /*! True if a range of s overlaps [0,1]. */
-CVERT_REAL CVERT_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
-  return maximum(range.lower,Real(0)) <= minimum(range.upper,Real(1));
+CVERT_REAL CVERT_FUNCTION bool isOnSegment(CVERT_OF(Range) range) {
+  return maximum(range.lower, Real(0)) <= minimum(range.upper, Real(1));
 }
 
 CBVH_END

@@ -8,31 +8,26 @@
 
 #include <cstdint>
 
-namespace embree
-{
-  namespace cbvh
-  {
-    struct alignas(64) NodeTables
-    {
-      /*! [x or y][plane pair][child]: lowerPlane() and upperPlane() of node.h, in parent extents. */
-      float lowerPlanes[2][32][4];
-      float upperPlanes[2][32][4];
+namespace embree { namespace cbvh {
+struct alignas(64) NodeTables {
+  /*! [x or y][plane pair][child]: lowerPlane() and upperPlane() of node.h, in parent extents. */
+  float lowerPlanes[2][32][4];
+  float upperPlanes[2][32][4];
 
-      /*! [z codes of two children]: their lower planes in z, then their upper planes, in parent extents. */
-      float zPlanes[64][4];
+  /*! [z codes of two children]: their lower planes in z, then their upper planes, in parent extents. */
+  float zPlanes[64][4];
 
-      float latticeOuterOffsets[32]; //!< [code]: latticeOuterOffset() of leaf/format.h
+  float latticeOuterOffsets[32]; //!< [code]: latticeOuterOffset() of leaf/format.h
 
-      /*! [corner]: control of a byte shuffle of a lattice's nine heights, the middle one last. It returns the corner's
-       *  height of each of the four leaves as a 32-bit integer; 0x80 selects 0. */
-      alignas(16) uint8_t latticeCornerShuffles[4][16];
+  /*! [corner]: control of a byte shuffle of a lattice's nine heights, the middle one last. It returns the corner's
+   *  height of each of the four leaves as a 32-bit integer; 0x80 selects 0. */
+  alignas(16) uint8_t latticeCornerShuffles[4][16];
 
-      /*! [mask of children]: mask of their first grandchildren, or of all their grandchildren. */
-      uint16_t firstOfFour[16], allOfFour[16];
+  /*! [mask of children]: mask of their first grandchildren, or of all their grandchildren. */
+  uint16_t firstOfFour[16], allOfFour[16];
 
-      NodeTables ();
-    };
+  NodeTables();
+};
 
-    extern const NodeTables nodeTables;
-  }
-}
+extern const NodeTables nodeTables;
+}} // namespace embree::cbvh

@@ -9,83 +9,73 @@
 #include "../embree/scene.h"
 #include "../base/kinds.h"
 
-namespace embree
-{
-  namespace isa
-  {
-    struct CompressionPlan
-    {
-      uint32_t surfaceNumber;        //!< see base/surface_ids.h
-      unsigned numTimeSteps;
-      BBox1f timeRange;
-      CompressionSettings settings;  //!< resolved
+namespace embree { namespace isa {
+struct CompressionPlan {
+  uint32_t surfaceNumber; //!< see base/surface_ids.h
+  unsigned numTimeSteps;
+  BBox1f timeRange;
+  CompressionSettings settings; //!< resolved
 
-      /*! number: surface number. */
-      CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
-        : surfaceNumber(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
-          numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
-          settings(geometry->compression.resolve(geometry->device->compression))
-      {
-        isCompressed = cbvh::findKind(settings.compression,blockKind);
-        if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::CVERT;
-      }
-
-      /*! True if a moving cage that requests compression is compressed. It is stored as cVERT, so requests of other
-       *  kinds need the setting fallback_faces. */
-      static bool compressesMotion (const SubdivMesh* geometry)
-      {
-        const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
-        return settings.compression == RTC_COMPRESSION_CVERT || settings.fallbackFaces != 0;
-      }
-
-      bool moves () const { return numTimeSteps != 1; }
-
-      bool isLossless () const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
-
-      /*! Kind of the blocks. Meaningless unless compresses(). */
-      cbvh::Kind kind () const { return blockKind; }
-
-      /*! True if patches that cLEAF represents badly are stored as cVERT (the setting fallback_faces). */
-      bool hasFallbackFaces () const {
-        return compresses() && kind() == cbvh::Kind::CLEAF && settings.fallbackFaces != 0;
-      }
-
-      /*! True if faces use the border vertices of the owners of edges and corners, see surface/shared_border.h. */
-      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::CVERT || hasFallbackFaces()); }
-
-      /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
-      bool compresses () const { return isCompressed; }
-
-      bool maxErrorSetsFrameLevel () const {
-        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
-          && cbvh::descriptionOf(kind()).hasThickness;
-      }
-
-      enum Storage { GRID, FRAMED, VERT }; //!< Embree's GRID, blocks with frames, or cVERT
-
-      /*! Storage of a patch, by the rates of its edges, which Embree limits to 4096. FRAMED supports 256. */
-      Storage storage (const float rate[4]) const
-      {
-        const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
-        if (moves()) return VERT;
-        if (!compresses()) return GRID;
-        if (kind() == cbvh::Kind::CVERT) return VERT;
-        if (highest <= float(1u << cbvh::maxFramedLevel)) return FRAMED;
-        return hasFallbackFaces() ? VERT : GRID;
-      }
-
-      /*! Frame level for a patch of 2^level quads per side, unless max_error determines it. Blocks of 16 x 16 quads
-       *  minimize the product of bytes and time, or nearly so (docs/paper.md): smaller blocks are hardly faster, but
-       *  their frames cost more than their leaves save, and larger blocks save little and are slower. */
-      unsigned frameLevel (unsigned level) const
-      {
-        if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);
-        return level > 4 ? level-4 : 0;
-      }
-
-    private:
-      cbvh::Kind blockKind = cbvh::Kind::CGRID;
-      bool isCompressed;
-    };
+  /*! number: surface number. */
+  CompressionPlan(const CompressibleGeometry* geometry, uint32_t number)
+    : surfaceNumber(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
+      numTimeSteps(geometry->numTimeSteps),
+      timeRange(geometry->time_range),
+      settings(geometry->compression.resolve(geometry->device->compression)) {
+    isCompressed = cbvh::findKind(settings.compression, blockKind);
+    if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::CVERT;
   }
-}
+
+  /*! True if a moving cage that requests compression is compressed. It is stored as cVERT, so requests of other
+   *  kinds need the setting fallback_faces. */
+  static bool compressesMotion(const SubdivMesh* geometry) {
+    const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
+    return settings.compression == RTC_COMPRESSION_CVERT || settings.fallbackFaces != 0;
+  }
+
+  bool moves() const { return numTimeSteps != 1; }
+
+  bool isLossless() const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
+
+  /*! Kind of the blocks. Meaningless unless compresses(). */
+  cbvh::Kind kind() const { return blockKind; }
+
+  /*! True if patches that cLEAF represents badly are stored as cVERT (the setting fallback_faces). */
+  bool hasFallbackFaces() const { return compresses() && kind() == cbvh::Kind::CLEAF && settings.fallbackFaces != 0; }
+
+  /*! True if faces use the border vertices of the owners of edges and corners, see surface/shared_border.h. */
+  bool sharesBorders() const { return compresses() && (kind() == cbvh::Kind::CVERT || hasFallbackFaces()); }
+
+  /*! False if the geometry is in the tree only because the scene compresses others: GRID traces it. */
+  bool compresses() const { return isCompressed; }
+
+  bool maxErrorSetsFrameLevel() const {
+    return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() &&
+           cbvh::descriptionOf(kind()).hasThickness;
+  }
+
+  enum Storage { GRID, FRAMED, VERT }; //!< Embree's GRID, blocks with frames, or cVERT
+
+  /*! Storage of a patch, by the rates of its edges, which Embree limits to 4096. FRAMED supports 256. */
+  Storage storage(const float rate[4]) const {
+    const float highest = max(max(rate[0], rate[1]), max(rate[2], rate[3]));
+    if (moves()) return VERT;
+    if (!compresses()) return GRID;
+    if (kind() == cbvh::Kind::CVERT) return VERT;
+    if (highest <= float(1u << cbvh::maxFramedLevel)) return FRAMED;
+    return hasFallbackFaces() ? VERT : GRID;
+  }
+
+  /*! Frame level for a patch of 2^level quads per side, unless max_error determines it. Blocks of 16 x 16 quads
+   *  minimize the product of bytes and time, or nearly so (docs/paper.md): smaller blocks are hardly faster, but
+   *  their frames cost more than their leaves save, and larger blocks save little and are slower. */
+  unsigned frameLevel(unsigned level) const {
+    if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);
+    return level > 4 ? level - 4 : 0;
+  }
+
+private:
+  cbvh::Kind blockKind = cbvh::Kind::CGRID;
+  bool isCompressed;
+};
+}} // namespace embree::isa

@@ -19,12 +19,11 @@
 #include "../embree/scene.h"
 #include "welded_vertices.h"
 
-namespace embree
-{
-  /*! Sets firsts and seconds to the triangles of each pair, in any order, independently of the number of threads. Each
-   *  triangle is in exactly one pair; one without a partner is also its own second triangle. welded: null to match
-   *  vertices by index. Returns false if most vertices do not have six triangles, if regular parts are narrow strips,
-   *  or if edges cannot be numbered in 32 bits. */
-  bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
-                      mvector<unsigned>& seconds);
-}
+namespace embree {
+/*! Sets firsts and seconds to the triangles of each pair, in any order, independently of the number of threads. Each
+ *  triangle is in exactly one pair; one without a partner is also its own second triangle. welded: null to match
+ *  vertices by index. Returns false if most vertices do not have six triangles, if regular parts are narrow strips,
+ *  or if edges cannot be numbered in 32 bits. */
+bool pairTriangles(const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
+                   mvector<unsigned>& seconds);
+} // namespace embree

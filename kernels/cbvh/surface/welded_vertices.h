@@ -9,22 +9,19 @@
 #include "../base/unmonitored_memory.h"
 #include <memory>
 
-namespace embree
-{
-  class WeldedVertices
-  {
-  public:
-    /*! Welds n vertices, independently of the number of threads. Returns null if no two are equal, or n is
-     *  2^32-1 or more. steps: one buffer per time step, with at least n vertices. */
-    static std::shared_ptr<const WeldedVertices> find (const BufferView<Vec3fa>* steps, unsigned numSteps,
-                                                       size_t n);
+namespace embree {
+class WeldedVertices {
+public:
+  /*! Welds n vertices, independently of the number of threads. Returns null if no two are equal, or n is
+   *  2^32-1 or more. steps: one buffer per time step, with at least n vertices. */
+  static std::shared_ptr<const WeldedVertices> find(const BufferView<Vec3fa>* steps, unsigned numSteps, size_t n);
 
-    /*! Returns the lowest vertex with the same position. Invalid indices are returned unchanged. */
-    unsigned operator[] (unsigned vertex) const { return vertex < firsts.size() ? firsts[vertex] : vertex; }
+  /*! Returns the lowest vertex with the same position. Invalid indices are returned unchanged. */
+  unsigned operator[](unsigned vertex) const { return vertex < firsts.size() ? firsts[vertex] : vertex; }
 
-    size_t bytes () const { return firsts.size()*sizeof(unsigned); }
+  size_t bytes() const { return firsts.size() * sizeof(unsigned); }
 
-  private:
-    cbvh::UnmonitoredVector<unsigned> firsts;
-  };
-}
+private:
+  cbvh::UnmonitoredVector<unsigned> firsts;
+};
+} // namespace embree

@@ -7,23 +7,15 @@
 
 #include "../embree/traversal.h"
 
-namespace embree
-{
-  namespace isa
-  {
-    namespace cbvh
-    {
-      template<int K>
-      struct FramedRaysK
-      {
-        __forceinline explicit FramedRaysK (const vfloat<K>&) {}
-        __forceinline void setEntryT (const vfloat<K>&) {}
-        template<typename Rays>
-        __forceinline vbool<K> intersect (const vbool<K>&, Rays&, IntersectContext*, const void*) {
-          return vbool<K>(false);
-        }
-        __forceinline void setFinalTfar (const vbool<K>&, vfloat<K>&) const {}
-      };
-    }
+namespace embree { namespace isa { namespace cbvh {
+template<int K>
+struct FramedRaysK {
+  __forceinline explicit FramedRaysK(const vfloat<K>&) {}
+  __forceinline void setEntryT(const vfloat<K>&) {}
+  template<typename Rays>
+  __forceinline vbool<K> intersect(const vbool<K>&, Rays&, IntersectContext*, const void*) {
+    return vbool<K>(false);
   }
-}
+  __forceinline void setFinalTfar(const vbool<K>&, vfloat<K>&) const {}
+};
+}}} // namespace embree::isa::cbvh

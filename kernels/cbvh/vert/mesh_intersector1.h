@@ -9,27 +9,19 @@
 #include "intersector1.h"
 #include "moving_mesh.h"
 
-namespace embree
-{
-  namespace isa
-  {
-    namespace cbvh
-    {
-      /*! As intersectVert. block: a MeshHeader. */
-      template<typename RayType>
-      __noinline bool intersectMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
-        return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
-      }
-
-      /*! As intersectMovingVert. block: a MeshHeader. */
-      template<typename RayType>
-      __noinline bool intersectMovingMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block)
-      {
-        const VertMotion motion = motionOfMesh((const MeshHeader*)block);
-        if (unlikely(!isPresent(motion,ray.time()))) return false;
-        return VertIntersector1<RayType,MovingMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block,
-          timeInMotion(motion,ray.time()));
-      }
-    }
-  }
+namespace embree { namespace isa { namespace cbvh {
+/*! As intersectVert. block: a MeshHeader. */
+template<typename RayType>
+__noinline bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
+  return VertIntersector1<RayType, CachedMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block);
 }
+
+/*! As intersectMovingVert. block: a MeshHeader. */
+template<typename RayType>
+__noinline bool intersectMovingMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
+  const VertMotion motion = motionOfMesh((const MeshHeader*)block);
+  if (unlikely(!isPresent(motion, ray.time()))) return false;
+  return VertIntersector1<RayType, MovingMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block,
+                                                               timeInMotion(motion, ray.time()));
+}
+}}} // namespace embree::isa::cbvh

@@ -8,59 +8,47 @@
 #include "hitsK.h"
 #include "mesh_intersector1.h"
 
-namespace embree
-{
-  namespace isa
-  {
-    namespace cbvh
-    {
-      template<int K, typename Rays>
-      class MeshIntersectorK
-      {
-      public:
-        /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. block: a MeshHeader,
-         *  without motion. */
-        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
-                                              VertRays<K>& vertRays, const void* block)
-        {
-          vertRays.set(rays);
-          const CachedMeshBlock cached(vertRays,(const VertHeader*)block);
-          if (cached.decodedBoxes() == nullptr && !cached.isValid()) return vbool<K>(false);
-          uint32_t found = 0;
-          for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
-            const uint32_t k = uint32_t(bsf(rest));
-            if (intersectOne(k,rays,context,vertRays,(const VertHeader*)block,cached)) found |= 1u << k;
-          }
-          return vbool<K>(int(found));
-        }
-
-      private:
-        static __forceinline bool intersectOne (uint32_t k, Rays& rays, IntersectContext* context,
-                                                VertRays<K>& vertRays, const VertHeader* block,
-                                                const CachedMeshBlock& cached)
-        {
-          // ray() leaves out the members that tests of boxes read
-          VertRay ray = vertRays.ray(k);
-          for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
-          ray.largestComponent = vertRays.largestComponent[k];
-          ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;
-          alignas(64) float enter[16];
-          uint32_t groups = intersectGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
-          typedef VertTargetK<K,Rays> Target;
-          VertHitReporter<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
-          bool found = false;
-          while (groups)
-          {
-            const uint32_t g = IsAnyHit<Rays>::value ? popAny(groups) : popNearest(groups,enter);
-            if (enter[g] > rays.tfar[k]) continue;
-            const MeshGroupTriangles triangles = groupTrianglesHitByLine(ray,cached,g);
-            if (triangles.mask == 0 || !hits.report(g,triangles)) continue;
-            if (IsAnyHit<Rays>::value) return true;
-            found = true;
-          }
-          return found;
-        }
-      };
+namespace embree { namespace isa { namespace cbvh {
+template<int K, typename Rays>
+class MeshIntersectorK {
+public:
+  /*! Returns the rays that accepted a hit. Any-hit rays end at their first accepted hit. block: a MeshHeader,
+   *  without motion. */
+  static __noinline vbool<K> intersect(const vbool<K>& valid, Rays& rays, IntersectContext* context,
+                                       VertRays<K>& vertRays, const void* block) {
+    vertRays.set(rays);
+    const CachedMeshBlock cached(vertRays, (const VertHeader*)block);
+    if (cached.decodedBoxes() == nullptr && !cached.isValid()) return vbool<K>(false);
+    uint32_t found = 0;
+    for (uint32_t rest = uint32_t(movemask(valid)); rest; rest &= rest - 1) {
+      const uint32_t k = uint32_t(bsf(rest));
+      if (intersectOne(k, rays, context, vertRays, (const VertHeader*)block, cached)) found |= 1u << k;
     }
+    return vbool<K>(int(found));
   }
-}
+
+private:
+  static __forceinline bool intersectOne(uint32_t k, Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
+                                         const VertHeader* block, const CachedMeshBlock& cached) {
+    // ray() leaves out the members that tests of boxes read
+    VertRay ray = vertRays.ray(k);
+    for (int i = 0; i < 3; i++) ray.rcp[i] = vertRays.rcp[i][k];
+    ray.largestComponent = vertRays.largestComponent[k];
+    ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;
+    alignas(64) float enter[16];
+    uint32_t groups = intersectGroupBoxes(ray, rays.tnear()[k], rays.tfar[k], cached.boxes(), enter);
+    typedef VertTargetK<K, Rays> Target;
+    VertHitReporter<Target, CachedMeshBlock> hits(Target{rays, context, k}, ray, vertRays.nearest(k), block, cached);
+    bool found = false;
+    while (groups) {
+      const uint32_t g = IsAnyHit<Rays>::value ? popAny(groups) : popNearest(groups, enter);
+      if (enter[g] > rays.tfar[k]) continue;
+      const MeshGroupTriangles triangles = groupTrianglesHitByLine(ray, cached, g);
+      if (triangles.mask == 0 || !hits.report(g, triangles)) continue;
+      if (IsAnyHit<Rays>::value) return true;
+      found = true;
+    }
+    return found;
+  }
+};
+}}} // namespace embree::isa::cbvh

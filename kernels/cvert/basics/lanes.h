@@ -18,10 +18,9 @@
 #include "lanes_portable.h"
 #endif
 
-namespace cvert { inline namespace CVERT_ISA
-{
-  /*! Returns vertex i of `count` in lanes 0 to 2; lane 3 is undefined. Reads nothing after the last vertex. */
-  inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
-    return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);
-  }
-}}
+namespace cvert { inline namespace CVERT_ISA {
+/*! Returns vertex i of `count` in lanes 0 to 2; lane 3 is undefined. Reads nothing after the last vertex. */
+inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
+  return i + 1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0], vertices[i][1], vertices[i][2], 0.0f);
+}
+}} // namespace cvert::CVERT_ISA

@@ -8,9 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cvert
-{
-  /*! CRC-32C, as in iSCSI. before: checksum of the preceding bytes, to compute a checksum in pieces. isPortable: uses
-   *  tables instead of the processor's instruction, for tests. */
-  uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before = 0, bool isPortable = false);
-}
+namespace cvert {
+/*! CRC-32C, as in iSCSI. before: checksum of the preceding bytes, to compute a checksum in pieces. isPortable: uses
+ *  tables instead of the processor's instruction, for tests. */
+uint32_t fileChecksum(const void* data, size_t bytes, uint32_t before = 0, bool isPortable = false);
+} // namespace cvert

@@ -31,9 +31,9 @@
 
 CVERT_BEGIN
 
-CVERT_CONSTANT int cellVertices = 25; //!< stored row by row
-CVERT_CONSTANT int cellFields = 21;   //!< all but the corners
-CVERT_CONSTANT int maxFieldBits = 32; //!< of a field with all three residuals
+CVERT_CONSTANT int cellVertices = 25;    //!< stored row by row
+CVERT_CONSTANT int cellFields = 21;      //!< all but the corners
+CVERT_CONSTANT int maxFieldBits = 32;    //!< of a field with all three residuals
 CVERT_CONSTANT int maxResidualBits = 15; //!< per axis
 CVERT_CONSTANT int maxSlope = 15;        //!< in 1/16
 
@@ -42,55 +42,51 @@ CVERT_CONSTANT int maxSlope = 15;        //!< in 1/16
 CVERT_CONSTANT int maxExtent = 16384;
 
 /*! Bits of component i of a residual: 0 is on the main axis, 1 and 2 are on the next two. */
-CVERT_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) & 15u); }
-CVERT_FUNCTION int cellFieldBits (uint32_t word) { return cellBits(word,0) + cellBits(word,1) + cellBits(word,2); }
-CVERT_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); }
+CVERT_FUNCTION int cellBits(uint32_t word, int i) { return int((word >> (4 * i)) & 15u); }
+CVERT_FUNCTION int cellFieldBits(uint32_t word) { return cellBits(word, 0) + cellBits(word, 1) + cellBits(word, 2); }
+CVERT_FUNCTION int cellMainAxis(uint32_t word) { return int((word >> 12) & 3u); }
 
 /*! Returns (axis + i) modulo 3, for i from 0 to 2. A table with 2 bits per entry, because a branch would be
  *  mispredicted. Axis 3, in damaged blocks, counts as 0. */
-CVERT_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
+CVERT_FUNCTION int axisAfter(int axis, int i) { return int((0x924u >> (2 * (axis + i))) & 3u); }
 
-CVERT_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
+CVERT_FUNCTION int cellAxis(uint32_t word, int i) { return axisAfter(cellMainAxis(word), i); }
 
 /*! Slope of component i (1 or 2), in 1/16. */
-CVERT_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)) >> 27; }
+CVERT_FUNCTION int cellSlope(uint32_t word, int i) { return int(word << (18 - 5 * i)) >> 27; }
 
-CVERT_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
+CVERT_FUNCTION uint32_t cellBytes(uint32_t word) { return (uint32_t(cellFields * cellFieldBits(word)) + 7u) / 8u; }
 
 /*! Returns the field of vertex i of row j, or -1 for a corner. */
-CVERT_FUNCTION int cellField (int i, int j)
-{
+CVERT_FUNCTION int cellField(int i, int j) {
   bool corner = (i == 0 || i == 4) && (j == 0 || j == 4);
-  return corner ? -1 : 5*j + i - (j == 0 ? 1 : j == 4 ? 3 : 2);
+  return corner ? -1 : 5 * j + i - (j == 0 ? 1 : j == 4 ? 3 : 2);
 }
 
 /*! Weight, in 1/16, of the upper corner in the prediction of vertex i, which is step*i quads from the lower corner.
  *  quads: number of the cell's quads in this direction. */
-CVERT_FUNCTION int cellWeight (int i, int step, int quads)
-{
-  int x = step*i;
+CVERT_FUNCTION int cellWeight(int i, int step, int quads) {
+  int x = step * i;
   if (x > quads) x = quads;
-  return (32*x + quads)/(2*quads);
+  return (32 * x + quads) / (2 * quads);
 }
 
 /*! True if residuals are stored as three arrays. */
-CVERT_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
+CVERT_FUNCTION bool isByAxis(uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
 
 /*! Decodes a component of a residual: `bits` bits of a field, from bit `shift` on. */
-CVERT_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
-{
+CVERT_FUNCTION int cellResidual(uint32_t field, int shift, int bits) {
   if (bits == 0) return 0;
   uint32_t value = (field >> shift) & ((1u << bits) - 1u);
-  return (value >> (bits-1)) != 0u ? int(value) - int(1u << bits) : int(value);
+  return (value >> (bits - 1)) != 0u ? int(value) - int(1u << bits) : int(value);
 }
 
 /*! Part of a component that its slope predicts. main: component on the main axis. Rounds to nearest, halves up. */
-CVERT_FUNCTION int slopeResidual (int slope, int main) { return (slope*main + 8) >> 4; }
+CVERT_FUNCTION int slopeResidual(int slope, int main) { return (slope * main + 8) >> 4; }
 
 /*! Bilinear prediction from the corners' coordinates. weightX, weightY: cellWeight. Rounds to nearest, halves up. */
-CVERT_FUNCTION int cellPrediction (int c00, int c10, int c01, int c11, int weightX, int weightY)
-{
-  int sum = 16*weightX*(c10-c00) + 16*weightY*(c01-c00) + weightX*weightY*(c11-c10-c01+c00);
+CVERT_FUNCTION int cellPrediction(int c00, int c10, int c01, int c11, int weightX, int weightY) {
+  int sum = 16 * weightX * (c10 - c00) + 16 * weightY * (c01 - c00) + weightX * weightY * (c11 - c10 - c01 + c00);
   return c00 + ((sum + 128) >> 8);
 }
 

@@ -24,24 +24,22 @@
 
 CVERT_BEGIN
 
-struct VertNumbers
-{
+struct VertNumbers {
   /* rows: differences between neighboring quads along x and y. recursive: 8 bits for each bit of x and y. tables: byte
    * offset from the start of the block, and bits per entry. If the block has VertTrianglePairs, x and y after the
    * header are its byte offset and 0. */
   uint32_t x, y;
 };
-CVERT_READABLE(VertNumbers,4)
+CVERT_READABLE(VertNumbers, 4)
 
 /*! Section of blocks whose second triangles all have the same distance, not 1. Precedes the table, if any. */
-struct VertTrianglePairs
-{
+struct VertTrianglePairs {
   VertNumbers numbers;
   uint32_t distance; //!< second triangle's number minus first triangle's, modulo 2^32
 };
-CVERT_READABLE(VertTrianglePairs,4)
+CVERT_READABLE(VertTrianglePairs, 4)
 
-CVERT_FUNCTION bool hasNumbers (uint32_t info) { return ((info >> 30) & 1u) != 0u; }
+CVERT_FUNCTION bool hasNumbers(uint32_t info) { return ((info >> 30) & 1u) != 0u; }
 
 /* Numbering: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: first corner of the first and of the
  * second triangle; 8..15: initial value of recursive numbers; 16: has VertTrianglePairs. */
@@ -53,59 +51,58 @@ CVERT_CONSTANT uint32_t numbersOfTriangles = 4u;
 CVERT_CONSTANT uint32_t numbersOfOneTriangle = 8u;
 CVERT_CONSTANT uint32_t numbersOfTrianglePairs = 1u << 16;
 
-CVERT_FUNCTION uint32_t patternOfNumbers (uint32_t numbering) { return numbering & 3u; }
-CVERT_FUNCTION bool haveTable (uint32_t numbering) { return patternOfNumbers(numbering) >= numbersInTable; }
-CVERT_FUNCTION bool haveTrianglePairs (uint32_t numbering) { return (numbering & numbersOfTrianglePairs) != 0u; }
-CVERT_FUNCTION bool isTriangleNumbering (uint32_t numbering) { return (numbering & numbersOfTriangles) != 0u; }
-CVERT_FUNCTION bool isSingleTriangleNumbering (uint32_t numbering) { return (numbering & numbersOfOneTriangle) != 0u; }
-CVERT_FUNCTION uint32_t packFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
-CVERT_FUNCTION uint32_t firstCornerOfTriangle (uint32_t numbering, bool isSecond) {
+CVERT_FUNCTION uint32_t patternOfNumbers(uint32_t numbering) { return numbering & 3u; }
+CVERT_FUNCTION bool haveTable(uint32_t numbering) { return patternOfNumbers(numbering) >= numbersInTable; }
+CVERT_FUNCTION bool haveTrianglePairs(uint32_t numbering) { return (numbering & numbersOfTrianglePairs) != 0u; }
+CVERT_FUNCTION bool isTriangleNumbering(uint32_t numbering) { return (numbering & numbersOfTriangles) != 0u; }
+CVERT_FUNCTION bool isSingleTriangleNumbering(uint32_t numbering) { return (numbering & numbersOfOneTriangle) != 0u; }
+CVERT_FUNCTION uint32_t packFirstCorners(uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
+CVERT_FUNCTION uint32_t firstCornerOfTriangle(uint32_t numbering, bool isSecond) {
   return (numbering >> (isSecond ? 6 : 4)) & 3u;
 }
 
 /*! Number of quad x, y, minus VertHeader::primID. Requires a numbering without table. */
-CVERT_FUNCTION uint32_t patternNumber (uint32_t numbering, VertNumbers numbers, uint32_t x, uint32_t y)
-{
-  if (patternOfNumbers(numbering) == numbersInRows) return numbers.x*x + numbers.y*y;
+CVERT_FUNCTION uint32_t patternNumber(uint32_t numbering, VertNumbers numbers, uint32_t x, uint32_t y) {
+  if (patternOfNumbers(numbering) == numbersInRows) return numbers.x * x + numbers.y * y;
   uint32_t code = (numbering >> 8) & 255u;
-  for (uint32_t i=0u; i<4u; i++) {
-    if (((x >> i) & 1u) != 0u) code ^= (numbers.x >> (8u*i)) & 255u;
-    if (((y >> i) & 1u) != 0u) code ^= (numbers.y >> (8u*i)) & 255u;
+  for (uint32_t i = 0u; i < 4u; i++) {
+    if (((x >> i) & 1u) != 0u) code ^= (numbers.x >> (8u * i)) & 255u;
+    if (((y >> i) & 1u) != 0u) code ^= (numbers.y >> (8u * i)) & 255u;
   }
-  return isTriangleNumbering(numbering) && !haveTrianglePairs(numbering) ? 2u*code : code;
+  return isTriangleNumbering(numbering) && !haveTrianglePairs(numbering) ? 2u * code : code;
 }
 
 /*! Number of lowest bits of a triangle table's entry that store the first corner. 30 remain for the number. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
-CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t numbering) {
+CVERT_FUNCTION uint32_t entriesPerQuad(uint32_t numbering) {
   return patternOfNumbers(numbering) == numbersInTriangleTable ? 2u : 1u;
 }
 
 /*! Size of a table without padding. Readers may read up to 7 bytes after its end. */
-CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
+CVERT_FUNCTION uint32_t bytesOfNumberTable(uint32_t entries, uint32_t bits) { return (entries * bits + 7u) / 8u; }
 
 /*! Primitive that a hit in a quad reports: the quad, or one of its triangles. */
-struct QuadPrimitive
-{
+struct QuadPrimitive {
   uint32_t primID;
   uint32_t numbering; //!< of its block, with this triangle's first corner
 };
 
-struct PrimitiveParameters { float u, v; };
+struct PrimitiveParameters {
+  float u, v;
+};
 
 /*! Converts position a, b in a quad to parameters of the application's quad or triangle. numbering:
  *  QuadPrimitive::numbering. */
-CVERT_FUNCTION PrimitiveParameters primitiveParameters (uint32_t numbering, bool isSecond, float a, float b)
-{
+CVERT_FUNCTION PrimitiveParameters primitiveParameters(uint32_t numbering, bool isSecond, float a, float b) {
   PrimitiveParameters parameters;
   parameters.u = a;
   parameters.v = b;
   if (!isTriangleNumbering(numbering)) return parameters;
   // w0, w1, w2: weights of corners 00, 10, 01, or 11, 01, 10 in the second triangle
-  float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
-  float w0 = maximum(1.0f-w1-w2,0.0f);
-  uint32_t firstCorner = firstCornerOfTriangle(numbering,isSecond);
+  float w1 = isSecond ? 1.0f - a : a, w2 = isSecond ? 1.0f - b : b;
+  float w0 = maximum(1.0f - w1 - w2, 0.0f);
+  uint32_t firstCorner = firstCornerOfTriangle(numbering, isSecond);
   parameters.u = firstCorner == 0u ? w1 : firstCorner == 1u ? w2 : w0;
   parameters.v = firstCorner == 0u ? w2 : firstCorner == 1u ? w0 : w1;
   return parameters;

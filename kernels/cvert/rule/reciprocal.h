@@ -15,11 +15,10 @@ CVERT_BEGIN
  *  range from 2^-126, the smallest normal float, to 2^125. The result is therefore normal and not 0, and its product
  *  with any distance, also 0 or infinity, is not NaN. It is positive for both zeros: callers must select the near
  *  planes of boxes by its sign, not by the sign bit of d. */
-CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
-{
-  Real least = maximum(Real(1e-18f)*largest,Real(1.17549435e-38f));
-  Real size = minimum(maximum(magnitude(d),least),Real(4.25352959e37f));
-  return Real(1.0f)/choose(d < Real(0.0f),-size,size);
+CVERT_REAL CVERT_INLINE Real directionReciprocal(Real d, Real largest) {
+  Real least = maximum(Real(1e-18f) * largest, Real(1.17549435e-38f));
+  Real size = minimum(maximum(magnitude(d), least), Real(4.25352959e37f));
+  return Real(1.0f) / choose(d < Real(0.0f), -size, size);
 }
 
 CVERT_END

@@ -18,8 +18,8 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPadding = 16;            // bytes after a block that shaders may read
-constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
+constexpr size_t readPadding = 16;         // bytes after a block that shaders may read
+constexpr size_t ownBufferBytes = 1 << 20; // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
   return block.type == blockReferenceType(kindVert) || block.type == movingBlockReferenceType;
@@ -29,8 +29,7 @@ bool isVert(const FlatBlock& block) {
 bool isReadPastEnd(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReferenceType; }
 
 /* Throws VulkanError if a block is damaged. Grids of Embree need no check. */
-void requireValid(const FlatBlock& block)
-{
+void requireValid(const FlatBlock& block) {
   if (block.type == gridLeafReferenceType) return;
   cvert::Reason reason;
   if (block.type == meshBlockReferenceType) reason = cvert::validateMesh(block.data, block.bytes);
@@ -38,27 +37,23 @@ void requireValid(const FlatBlock& block)
     reason = cvert::validateVert(block.data, block.bytes);
     if (!reason && block.type == movingBlockReferenceType && !isMoving(((const VertHeader*)block.data)->info))
       reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
-  }
-  else {
+  } else {
     reason = validateFramedBlock(block.data, block.bytes);
     if (!reason && blockReferenceType(kindOf(((const BlockHeader*)block.data)->info)) != block.type)
       reason = {cvert::ErrorCode::DAMAGED, "its kind differs from the kind in its reference"};
   }
-  if (reason)
-    throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
+  if (reason) throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
 
 /* The bytes of a block to upload. Omits the trees that Embree stores in grids: the scene's tree contains their
  * nodes. */
-struct BlockUpload
-{
+struct BlockUpload {
   uint32_t header[gridDataWord];
   size_t headerBytes = 0;
   const char* data;
   size_t dataBytes;
 
-  explicit BlockUpload(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes)
-  {
+  explicit BlockUpload(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes) {
     if (block.type != gridLeafReferenceType) return;
     std::memcpy(header, data, sizeof(header));
     headerBytes = sizeof(header);
@@ -72,8 +67,7 @@ struct BlockUpload
 };
 
 /* Returns each block of a surface once. A scene may contain a surface directly and in an instanced scene. */
-std::vector<PlacedBlock*> withoutRepeats(const std::vector<PlacedBlock*>& blocks)
-{
+std::vector<PlacedBlock*> withoutRepeats(const std::vector<PlacedBlock*>& blocks) {
   std::vector<PlacedBlock*> unique;
   std::unordered_set<const void*> found;
   for (PlacedBlock* block : blocks)
@@ -81,22 +75,21 @@ std::vector<PlacedBlock*> withoutRepeats(const std::vector<PlacedBlock*>& blocks
   return unique;
 }
 
-size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
-{
+size_t bytesOf(const std::vector<PlacedBlock*>& blocks) {
   size_t bytes = 0;
   for (const PlacedBlock* block : blocks) bytes += BlockUpload(*block->block).bytes();
   return bytes;
 }
 
 /* Uploads blocks to few large buffers. expected: upper bound of their bytes. */
-class BlockWriter
-{
+class BlockWriter {
 public:
   BlockWriter(Device& device, Uploader& uploader, size_t expected)
-    : device(device), uploader(uploader), remaining(expected) {}
+    : device(device),
+      uploader(uploader),
+      remaining(expected) {}
 
-  void write(PlacedBlock& placed)
-  {
+  void write(PlacedBlock& placed) {
     requireValid(*placed.block);
     const BlockUpload source(*placed.block);
     if (buffers.empty() || used + source.bytes() > end) addBuffer(source.bytes());
@@ -111,8 +104,7 @@ public:
   std::vector<std::shared_ptr<Buffer>> buffers;
 
 private:
-  void addBuffer(size_t minBytes)
-  {
+  void addBuffer(size_t minBytes) {
     const size_t maxBytes = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
     end = std::max(std::min(remaining, maxBytes - readPadding), minBytes);
     buffers.emplace_back(new Buffer(device, end + readPadding, Buffer::OnDevice, "blocks"));
@@ -125,8 +117,7 @@ private:
 };
 
 /* blocks: without repeats. */
-std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
-{
+std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks) {
   const auto surface = std::make_shared<UploadedSurface>();
   for (PlacedBlock* block : blocks) {
     writer.write(*block);
@@ -143,16 +134,14 @@ std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const s
 
 } // namespace
 
-VkDeviceAddress UploadedSurface::addressOf(const void* data) const
-{
+VkDeviceAddress UploadedSurface::addressOf(const void* data) const {
   const auto place = std::lower_bound(places.begin(), places.end(), data, [](const Place& a, const void* b) {
     return std::less<const void*>()(a.data, b);
   });
   return place != places.end() && place->data == data ? place->address : 0;
 }
 
-size_t BlockBuffers::bytes() const
-{
+size_t BlockBuffers::bytes() const {
   std::set<std::shared_ptr<Buffer>> buffers(own.begin(), own.end());
   for (const auto& surface : surfaces) buffers.insert(surface->buffers.begin(), surface->buffers.end());
   size_t bytes = 0;
@@ -160,9 +149,10 @@ size_t BlockBuffers::bytes() const
   return bytes;
 }
 
-BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
-{
-  struct Range { size_t begin, end; };
+BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks) {
+  struct Range {
+    size_t begin, end;
+  };
   std::vector<Range> ranges;
   const size_t alignment = device.capabilities.importAlignment;
   for (const PlacedBlock& placed : blocks) {
@@ -186,16 +176,16 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   }
   for (PlacedBlock& placed : blocks) {
     const size_t begin = size_t(placed.block->data);
-    const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) {
-      return at < range.begin;
-    }) - joined.begin()) - 1;
+    const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin,
+                                             [](size_t at, const Range& range) { return at < range.begin; }) -
+                            joined.begin()) -
+                     1;
     placed.address = out.own[r]->address + (begin - joined[r].begin);
   }
   return out;
 }
 
-BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks)
-{
+BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks) {
   device.uploads.removeExpired();
   std::map<uint64_t, std::vector<PlacedBlock*>> builds;
   for (PlacedBlock& block : blocks) builds[block.buildID].push_back(&block);
@@ -220,8 +210,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
     if (bytes < ownBufferBytes) {
       small.push_back({build.first, unique});
       smallBytes += bytes;
-    }
-    else {
+    } else {
       BlockWriter writer(device, uploader, bytes);
       surfaces[build.first] = writeSurface(writer, unique);
     }

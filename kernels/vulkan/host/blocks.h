@@ -11,33 +11,33 @@
 
 namespace embree { namespace vulkan {
 
-struct PlacedBlock
-{
+struct PlacedBlock {
   const cbvh::FlatBlock* block;
-  uint64_t buildID;              // FlatGeometry::buildID; 0 if scenes do not share the surface
+  uint64_t buildID; // FlatGeometry::buildID; 0 if scenes do not share the surface
   VkDeviceAddress address = 0;
 };
 
 /* The blocks of one build of a surface (FlatGeometry::buildID) on a device. */
-struct UploadedSurface
-{
-  struct Place { const void* data; VkDeviceAddress address; };
+struct UploadedSurface {
+  struct Place {
+    const void* data;
+    VkDeviceAddress address;
+  };
 
-  std::vector<std::shared_ptr<Buffer>> buffers;   // shared between small surfaces
-  std::vector<Place> places;                      // sorted by host address
+  std::vector<std::shared_ptr<Buffer>> buffers; // shared between small surfaces
+  std::vector<Place> places;                    // sorted by host address
 
   /* Device address of a block, or 0 if the surface does not contain it. */
   VkDeviceAddress addressOf(const void* data) const;
 };
 
 /* Keeps the device memory of a scene's blocks alive. */
-struct BlockBuffers
-{
+struct BlockBuffers {
   std::vector<std::shared_ptr<Buffer>> own;
   std::vector<std::shared_ptr<const UploadedSurface>> surfaces;
   size_t importedBytes = 0;
 
-  size_t bytes() const;   // counts shared buffers once
+  size_t bytes() const; // counts shared buffers once
 };
 
 /* Both functions set the addresses of `blocks`. They throw VulkanError if a block is damaged, because shaders do not

@@ -12,8 +12,7 @@ namespace embree { namespace vulkan {
 
 /* Identifies a bottom level by its boxes. The hash only makes comparisons fast: if hashes are equal, the bytes of the
  * boxes decide, because rays would miss leaves in a structure over other boxes. Costs 24 bytes of memory per box. */
-class BoxesKey
-{
+class BoxesKey {
 public:
   explicit BoxesKey(std::vector<VkAabbPositionsKHR> boxes);
 
@@ -23,10 +22,12 @@ public:
   uint64_t hash() const { return hashOfBoxes; }
 
 private:
-  std::shared_ptr<const std::vector<VkAabbPositionsKHR>> shared;   // by copies of the key
+  std::shared_ptr<const std::vector<VkAabbPositionsKHR>> shared; // by copies of the key
   uint64_t hashOfBoxes;
 };
 
-struct HashOfKey { size_t operator()(const BoxesKey& key) const { return size_t(key.hash()); } };
+struct HashOfKey {
+  size_t operator()(const BoxesKey& key) const { return size_t(key.hash()); }
+};
 
 }} // namespace embree::vulkan

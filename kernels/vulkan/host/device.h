@@ -20,11 +20,12 @@ namespace embree { namespace vulkan {
 enum Query { CLOSEST_HIT, ANY_HIT };
 
 /* Base of objects with a reference count, which starts at 1. Thread-safe. */
-class RefCounted
-{
+class RefCounted {
 public:
   void retain() { users++; }
-  void release() { if (--users == 0) delete this; }
+  void release() {
+    if (--users == 0) delete this;
+  }
 
 protected:
   virtual ~RefCounted() {}
@@ -34,8 +35,7 @@ private:
 };
 
 template<typename T>
-class ScopedRef
-{
+class ScopedRef {
 public:
   explicit ScopedRef(T& object) : object(object) { object.retain(); }
   ~ScopedRef() { object.release(); }
@@ -47,8 +47,7 @@ private:
 };
 
 /* Threads may call member functions concurrently. */
-class Device : public RefCounted
-{
+class Device : public RefCounted {
 public:
   /* Opens a device. selector: see rtcNewVulkanDevice. */
   Device(RTCDevice embree, const char* selector);
@@ -60,15 +59,14 @@ public:
   void run(const std::function<void(VkCommandBuffer)>& record);
 
   /* Commands that the device executes. The caller must pass each submission to waitAndFree. */
-  struct Submission
-  {
+  struct Submission {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
   };
   /* record() must not submit commands or compile pipelines, because the mutex is locked. */
   Submission submit(const std::function<void(VkCommandBuffer)>& record);
   void wait(const Submission& submission) const;
-  bool isDone(const Submission& submission) const;   // true also if the device failed
+  bool isDone(const Submission& submission) const; // true also if the device failed
 
   /* Waits until a submission is done or the device is lost, and frees it. Never throws. */
   void waitAndFree(const Submission& submission);
@@ -81,7 +79,7 @@ public:
   /* The four pipelines of ray_order.comp, compiled on the first call. Throws if orderThreads exceeds a device limit. */
   const VkPipeline* makeOrderPipelines();
 
-  const RTCDevice embree;         // receives errors; retained, may be NULL
+  const RTCDevice embree; // receives errors; retained, may be NULL
   RTCVulkanDeviceHandles handles;
   Capabilities capabilities;
   InstanceFunctions instanceFunctions;
@@ -99,26 +97,24 @@ private:
   std::string cachePath() const;
   static uint64_t checksum(const std::vector<char>& data);
 
-  std::unique_ptr<VulkanInstance> vulkanInstance;  // NULL if the application passed handles
-  std::mutex mutex;                  // protects queue, command pool and pipelines
+  std::unique_ptr<VulkanInstance> vulkanInstance; // NULL if the application passed handles
+  std::mutex mutex;                               // protects queue, command pool and pipelines
   VkCommandPool pool = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
-  size_t cacheBytes = 0;             // size of the cache when it was read
+  size_t cacheBytes = 0; // size of the cache when it was read
   std::map<std::tuple<Query, bool, uint32_t, uint32_t>, VkPipeline> pipelines;
   VkPipeline orderPipelines[4] = {};
 };
 
 /* Push constants of trace.comp. order: pairs of ray_order.comp, or 0 if rays are not sorted. */
-struct TraceArguments
-{
+struct TraceArguments {
   VkDeviceAddress scene, rays, order;
   uint32_t first, count;
 };
 
 /* Push constants of ray_order.comp. */
-struct OrderArguments
-{
+struct OrderArguments {
   VkDeviceAddress rays, from, to, counts, scene;
   uint32_t count, rayWords, shift;
 };

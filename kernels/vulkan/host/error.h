@@ -13,8 +13,7 @@
 namespace embree { namespace vulkan {
 
 /* code: RTC_ERROR_NONE if the RTCDevice already received the error. */
-class VulkanError : public std::runtime_error
-{
+class VulkanError : public std::runtime_error {
 public:
   VulkanError(RTCError code, const std::string& message) : std::runtime_error(message), code(code) {}
   const RTCError code;

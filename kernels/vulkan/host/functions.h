@@ -37,18 +37,16 @@ namespace embree { namespace vulkan {
 
 #define CBVH_DECLARE(NAME) PFN_vk##NAME NAME = nullptr;
 
-struct InstanceFunctions
-{
+struct InstanceFunctions {
   CBVH_INSTANCE_FUNCTIONS(CBVH_DECLARE)
 
   InstanceFunctions() = default;
 
   /* Throws VulkanError naming a missing function. */
-  InstanceFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance)
-  {
+  InstanceFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance) {
 #define CBVH_LOAD(NAME) \
-    NAME = PFN_vk##NAME(getInstanceProcAddr(instance, "vk" #NAME)); \
-    check(PFN_vkVoidFunction(NAME), "vk" #NAME);
+  NAME = PFN_vk##NAME(getInstanceProcAddr(instance, "vk" #NAME)); \
+  check(PFN_vkVoidFunction(NAME), "vk" #NAME);
     CBVH_INSTANCE_FUNCTIONS(CBVH_LOAD)
 #undef CBVH_LOAD
   }
@@ -56,16 +54,14 @@ struct InstanceFunctions
   static constexpr const char* vulkan12 = "Vulkan 1.2 is needed";
 
   /* needed: ends the message. */
-  static void check(PFN_vkVoidFunction function, const char* name, const char* needed = vulkan12)
-  {
+  static void check(PFN_vkVoidFunction function, const char* name, const char* needed = vulkan12) {
     if (!function)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                         std::string("Vulkan's loader or driver has no ") + name + ": " + needed);
   }
 };
 
-struct DeviceFunctions
-{
+struct DeviceFunctions {
   CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
   CBVH_STRUCTURE_FUNCTIONS(CBVH_DECLARE)
   /* NULL if constructed without hasHostImport. */
@@ -73,11 +69,10 @@ struct DeviceFunctions
 
   DeviceFunctions() = default;
 
-  DeviceFunctions(PFN_vkGetDeviceProcAddr getDeviceProcAddr, VkDevice device, bool hasHostImport, bool hasRayQuery)
-  {
+  DeviceFunctions(PFN_vkGetDeviceProcAddr getDeviceProcAddr, VkDevice device, bool hasHostImport, bool hasRayQuery) {
 #define CBVH_LOAD(NAME) \
-    NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); \
-    InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME, needed);
+  NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); \
+  InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME, needed);
     const char* needed = InstanceFunctions::vulkan12;
     CBVH_DEVICE_FUNCTIONS(CBVH_LOAD)
     needed = "hasRayQuery requires a device with VK_KHR_acceleration_structure enabled";

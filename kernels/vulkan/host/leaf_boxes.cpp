@@ -13,16 +13,14 @@ using namespace cbvh;
 
 namespace {
 
-Bounds boundsOf(const LeafBox& box)
-{
+Bounds boundsOf(const LeafBox& box) {
   Bounds out;
   std::copy(box.lower, box.lower + 3, out.lower);
   std::copy(box.upper, box.upper + 3, out.upper);
   return out;
 }
 
-Bounds boundsOfChild(const FlatNode& node, int child)
-{
+Bounds boundsOfChild(const FlatNode& node, int child) {
   Bounds out;
   for (int k = 0; k < 3; k++) {
     out.lower[k] = node.lower[k][child];
@@ -32,28 +30,25 @@ Bounds boundsOfChild(const FlatNode& node, int child)
 }
 
 /* Bounds over the child's time interval. Its ends suffice, because planes move linearly. */
-Bounds boundsOfChild(const FlatMovingNode& node, int child)
-{
+Bounds boundsOfChild(const FlatMovingNode& node, int child) {
   Bounds out = Bounds::empty();
   for (float time : {node.begin[child], node.end[child]}) {
     time = std::min(std::max(time, 0.0f), 1.0f);
     for (int k = 0; k < 3; k++) {
-      out.lower[k] = std::min(out.lower[k], node.atZero.lower[k][child] + time*node.lowerDifference[k][child]);
-      out.upper[k] = std::max(out.upper[k], node.atZero.upper[k][child] + time*node.upperDifference[k][child]);
+      out.lower[k] = std::min(out.lower[k], node.atZero.lower[k][child] + time * node.lowerDifference[k][child]);
+      out.upper[k] = std::max(out.upper[k], node.atZero.upper[k][child] + time * node.upperDifference[k][child]);
     }
   }
   return out;
 }
 
 /* Collects the leaves below a reference and their boxes. */
-class Leaves
-{
+class Leaves {
 public:
   explicit Leaves(const Tree& tree) : tree(tree) {}
 
   /* Each leaf once, sorted by reference. Joins the bounds of equal references. */
-  std::vector<std::pair<uint32_t, Bounds>> merged()
-  {
+  std::vector<std::pair<uint32_t, Bounds>> merged() {
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     size_t n = 0;
     for (const auto& leaf : found)
@@ -63,8 +58,7 @@ public:
     return std::move(found);
   }
 
-  void gather(uint32_t reference, const Bounds& b)
-  {
+  void gather(uint32_t reference, const Bounds& b) {
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
     if (reference == emptyReference || type == instanceReferenceType) return;
     if (type == nodeReferenceType)
@@ -81,8 +75,7 @@ private:
 };
 
 /* Moves bit i to bit 3i, for the lower 21 bits, to interleave three coordinates. */
-uint64_t spread(uint64_t x)
-{
+uint64_t spread(uint64_t x) {
   x &= 0x1FFFFF;
   x = (x | x << 32) & 0x1F00000000FFFF;
   x = (x | x << 16) & 0x1F0000FF0000FF;
@@ -95,15 +88,13 @@ uint64_t spread(uint64_t x)
  * D: 7 for (plane - origin)*(1/direction) with a quotient that is off by up to 2.5 ulps, and up to 9 for the shear of
  * cvert/rule/rule.h, which has such a quotient too. The sum is 2^-20 D. 2^-15 of the largest coordinate suffices for
  * rays that start 20 times as far away, with a margin for transforming the ray. */
-float roundingSlack(const Bounds& all)
-{
+float roundingSlack(const Bounds& all) {
   float largest = 0;
   for (int k = 0; k < 3; k++) largest = std::max({largest, std::fabs(all.lower[k]), std::fabs(all.upper[k])});
   return std::ldexp(largest, -15);
 }
 
-Bounds boundsOf(const std::vector<LeafBox>& boxes)
-{
+Bounds boundsOf(const std::vector<LeafBox>& boxes) {
   Bounds all = Bounds::empty();
   for (const LeafBox& box : boxes) all.extend(boundsOf(box));
   return all;
@@ -111,15 +102,14 @@ Bounds boundsOf(const std::vector<LeafBox>& boxes)
 
 /* Sorts boxes by the Morton codes of their centers, then by reference, so that the result is deterministic. all: bounds
  * of the boxes. */
-void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
-{
+void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all) {
   std::vector<std::pair<uint64_t, LeafBox>> order;
   for (const LeafBox& box : boxes) {
     uint64_t code = 0;
     for (int k = 0; k < 3; k++) {
       const double extent = double(all.upper[k]) - all.lower[k],
-                   x = 0.5*(double(box.lower[k]) + box.upper[k]) - all.lower[k];
-      code |= spread(uint64_t(extent > 0 ? x/extent*0x1FFFFF : 0)) << k;
+                   x = 0.5 * (double(box.lower[k]) + box.upper[k]) - all.lower[k];
+      code |= spread(uint64_t(extent > 0 ? x / extent * 0x1FFFFF : 0)) << k;
     }
     order.push_back({code, box});
   }
@@ -131,8 +121,7 @@ void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 
 } // namespace
 
-std::vector<VkAabbPositionsKHR> LeafBoxes::driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const
-{
+std::vector<VkAabbPositionsKHR> LeafBoxes::driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const {
   std::vector<Bounds> all;
   all.reserve(boxes.size());
   Bounds sum = Bounds::empty();
@@ -144,14 +133,13 @@ std::vector<VkAabbPositionsKHR> LeafBoxes::driverBoxes(const std::function<Bound
   std::vector<VkAabbPositionsKHR> out;
   out.reserve(boxes.size());
   for (const Bounds& b : all)
-    out.push_back({b.lower[0] - width, b.lower[1] - width, b.lower[2] - width,
-                   b.upper[0] + width, b.upper[1] + width, b.upper[2] + width});
+    out.push_back({b.lower[0] - width, b.lower[1] - width, b.lower[2] - width, b.upper[0] + width, b.upper[1] + width,
+                   b.upper[2] + width});
   return out;
 }
 
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
-                                   const std::function<uint32_t(uint32_t)>& geomIDOf)
-{
+                                   const std::function<uint32_t(uint32_t)>& geomIDOf) {
   Leaves leaves(tree);
   leaves.gather(subtree.root, subtree.bounds);
   std::map<uint32_t, std::vector<LeafBox>> byGeometry;

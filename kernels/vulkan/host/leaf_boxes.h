@@ -15,10 +15,9 @@ namespace embree { namespace vulkan {
 
 using cbvh::LeafBox;
 
-struct LeafBoxes
-{
-  uint32_t geomID;              // RTC_INVALID_GEOMETRY_ID for triangles, because a leaf may mix meshes
-  std::vector<LeafBox> boxes;   // in Morton order
+struct LeafBoxes {
+  uint32_t geomID;            // RTC_INVALID_GEOMETRY_ID for triangles, because a leaf may mix meshes
+  std::vector<LeafBox> boxes; // in Morton order
 
   /* The boxes as input of a driver's build: transformed, and enlarged for the rounding errors of drivers. */
   std::vector<VkAabbPositionsKHR> driverBoxes(const std::function<Bounds(const Bounds&)>& transform) const;

@@ -11,13 +11,11 @@
 
 namespace embree { namespace vulkan {
 
-class Buffer
-{
+class Buffer {
 public:
-  enum Kind
-  {
-    OnDevice,  // in the device's memory; mapped if that is host-visible and coherent
-    Staging    // in the host's memory, mapped, for copies
+  enum Kind {
+    OnDevice, // in the device's memory; mapped if that is host-visible and coherent
+    Staging   // in the host's memory, mapped, for copies
   };
 
   /* what: contents of the buffer, for messages. */
@@ -34,7 +32,7 @@ public:
   VkBuffer handle = VK_NULL_HANDLE;
   VkDeviceAddress address = 0;
   const size_t bytes;
-  char* mapped = nullptr;   // host address of the contents, or NULL
+  char* mapped = nullptr; // host address of the contents, or NULL
 
 private:
   void create(const void* next, const char* what);
@@ -46,8 +44,7 @@ private:
 };
 
 /* A part of a buffer. Does not own it. */
-struct Slice
-{
+struct Slice {
   Buffer* buffer = nullptr;
   size_t offset = 0;
 
@@ -55,8 +52,7 @@ struct Slice
 };
 
 /* Writes to buffers, through a staging buffer if they are not mapped. */
-class Uploader
-{
+class Uploader {
 public:
   explicit Uploader(Device& device) : device(device) {}
 
@@ -67,20 +63,22 @@ public:
   /* Completes the writes and waits. */
   void flush();
 
-  size_t written = 0;   // bytes, in total
+  size_t written = 0; // bytes, in total
 
 private:
   Device& device;
   std::unique_ptr<Buffer> staging;
   size_t used = 0;
-  struct Copy { VkBuffer to; VkBufferCopy region; };
+  struct Copy {
+    VkBuffer to;
+    VkBufferCopy region;
+  };
   std::vector<Copy> copies;
 };
 
 /* Allocates slices, aligned to 16 bytes, of shared buffers, because devices support few allocations. Large slices get
  * buffers of their own. */
-class Arena
-{
+class Arena {
 public:
   explicit Arena(Device& device) : device(device) {}
 
@@ -94,8 +92,8 @@ private:
 
   Device& device;
   std::vector<std::unique_ptr<Buffer>> buffers;
-  size_t used = 0;              // bytes used of the current shared buffer
-  size_t shared = ~size_t(0);   // index of that buffer, or all bits set
+  size_t used = 0;            // bytes used of the current shared buffer
+  size_t shared = ~size_t(0); // index of that buffer, or all bits set
 };
 
 }} // namespace embree::vulkan

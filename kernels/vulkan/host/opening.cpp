@@ -15,8 +15,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-const char* nameOf(VkResult result)
-{
+const char* nameOf(VkResult result) {
   switch (result) {
   case VK_ERROR_OUT_OF_HOST_MEMORY: return "VK_ERROR_OUT_OF_HOST_MEMORY";
   case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
@@ -37,19 +36,16 @@ const char* nameOf(VkResult result)
 }
 
 template<size_t N>
-void setText(char (&to)[N], const std::string& from)
-{
+void setText(char (&to)[N], const std::string& from) {
   std::snprintf(to, N, "%s", from.c_str());
 }
 
-std::string versionText(uint32_t version)
-{
-  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "."
-    + std::to_string(VK_API_VERSION_PATCH(version));
+std::string versionText(uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
 }
 
-bool isOutOfMemory(VkResult result)
-{
+bool isOutOfMemory(VkResult result) {
   switch (result) {
   case VK_ERROR_OUT_OF_HOST_MEMORY:
   case VK_ERROR_OUT_OF_DEVICE_MEMORY:
@@ -65,41 +61,37 @@ bool isOutOfMemory(VkResult result)
 const char* const rayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_QUERY_EXTENSION_NAME,
                                           VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
 
-bool hasExtension(const InstanceFunctions& vk, VkPhysicalDevice device, const char* name)
-{
+bool hasExtension(const InstanceFunctions& vk, VkPhysicalDevice device, const char* name) {
   uint32_t count = 0;
   check(vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing extensions");
   std::vector<VkExtensionProperties> extensions(count);
   check(vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()), "listing extensions");
-  return std::any_of(extensions.begin(), extensions.begin() + count, [&](const VkExtensionProperties& e) {
-    return !std::strcmp(e.extensionName, name);
-  });
+  return std::any_of(extensions.begin(), extensions.begin() + count,
+                     [&](const VkExtensionProperties& e) { return !std::strcmp(e.extensionName, name); });
 }
 
 } // namespace
 
-void check(VkResult result, const std::string& doing)
-{
+void check(VkResult result, const std::string& doing) {
   if (result >= VK_SUCCESS) return;
   const char* name = nameOf(result);
-  throw VulkanError(isOutOfMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
-                    "Vulkan: " + doing + " failed: " + (name ? name : "VkResult " + std::to_string(result))
-                    + (result == VK_ERROR_DEVICE_LOST
-                       ? "; the device is lost: release it, its scenes and its traces" : ""));
+  throw VulkanError(
+      isOutOfMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
+      "Vulkan: " + doing + " failed: " + (name ? name : "VkResult " + std::to_string(result)) +
+          (result == VK_ERROR_DEVICE_LOST ? "; the device is lost: release it, its scenes and its traces" : ""));
 }
 
 /* --- loader and instance ---------------------------------------------------------------- */
 
-VulkanInstance::VulkanInstance()
-{
+VulkanInstance::VulkanInstance() {
   const char* named = secure_getenv("EMBREE_VULKAN_LOADER");
   if (named && !*named) named = nullptr;
   loader = dlopen(named ? named : "libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!loader && named) {
     const char* reason = dlerror();
     throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU,
-                      std::string("the loader of Vulkan that EMBREE_VULKAN_LOADER names, '") + named
-                      + "', cannot be loaded: " + (reason ? reason : "no reason is known"));
+                      std::string("the loader of Vulkan that EMBREE_VULKAN_LOADER names, '") + named +
+                          "', cannot be loaded: " + (reason ? reason : "no reason is known"));
   }
   if (!loader)
     throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU,
@@ -124,22 +116,20 @@ VulkanInstance::VulkanInstance()
     check(result, "creating an instance");
     vk = InstanceFunctions(getInstanceProcAddr, instance);
   } catch (...) {
-    if (const auto destroy
-        = instance ? PFN_vkDestroyInstance(getInstanceProcAddr(instance, "vkDestroyInstance")) : nullptr)
+    if (const auto destroy =
+            instance ? PFN_vkDestroyInstance(getInstanceProcAddr(instance, "vkDestroyInstance")) : nullptr)
       destroy(instance, nullptr);
     dlclose(loader);
     throw;
   }
 }
 
-VulkanInstance::~VulkanInstance()
-{
+VulkanInstance::~VulkanInstance() {
   vk.DestroyInstance(instance, nullptr);
   dlclose(loader);
 }
 
-std::vector<VkPhysicalDevice> VulkanInstance::devices() const
-{
+std::vector<VkPhysicalDevice> VulkanInstance::devices() const {
   uint32_t count = 0;
   check(vk.EnumeratePhysicalDevices(instance, &count, nullptr), "listing devices");
   std::vector<VkPhysicalDevice> devices(count);
@@ -151,8 +141,7 @@ std::vector<VkPhysicalDevice> VulkanInstance::devices() const
 /* --- devices ---------------------------------------------------------------------------- */
 
 /* Sets the name first, which is then known if a later call fails. */
-static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice device, Capabilities& out)
-{
+static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice device, Capabilities& out) {
   out.info = RTCVulkanDeviceInfo();
   vk.GetPhysicalDeviceProperties(device, &out.properties);
   vk.GetPhysicalDeviceMemoryProperties(device, &out.memory);
@@ -169,12 +158,12 @@ static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice devic
   }
 
   out.hasHostImport = hasExtension(vk, device, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
-  VkPhysicalDeviceExternalMemoryHostPropertiesEXT host =
-    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_MEMORY_HOST_PROPERTIES_EXT};
+  VkPhysicalDeviceExternalMemoryHostPropertiesEXT host = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_MEMORY_HOST_PROPERTIES_EXT};
   VkPhysicalDeviceVulkan12Properties v12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceMaintenance3Properties maintenance = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
-  VkPhysicalDeviceAccelerationStructurePropertiesKHR structures =
-    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR structures = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
   const bool hasRayQuery = std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions),
                                        [&](const char* name) { return hasExtension(vk, device, name); });
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
@@ -192,16 +181,16 @@ static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice devic
 
   VkPhysicalDeviceVulkan12Features f12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structureFeatures =
-    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structureFeatures = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
   structureFeatures.pNext = &query;
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &f12;
   if (hasRayQuery) f12.pNext = &structureFeatures;
   vk.GetPhysicalDeviceFeatures2(device, &features);
   out.info.hasRayQuery = hasRayQuery && query.rayQuery && structureFeatures.accelerationStructure;
-  out.scratchAlignment
-    = std::max(out.scratchAlignment, size_t(structures.minAccelerationStructureScratchOffsetAlignment));
+  out.scratchAlignment =
+      std::max(out.scratchAlignment, size_t(structures.minAccelerationStructureScratchOffsetAlignment));
   out.maxBoxes = structures.maxPrimitiveCount;
   out.maxInstances = std::min(uint64_t(structures.maxInstanceCount), uint64_t(1) << 24); // a custom index has 24 bits
   out.info.hasFloat64 = features.features.shaderFloat64;
@@ -224,26 +213,24 @@ static void readCapabilities(const InstanceFunctions& vk, VkPhysicalDevice devic
   setText(out.info.unsupportedReason, missing);
 }
 
-Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device)
-{
+Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device) {
   Capabilities out;
   readCapabilities(vk, device, out);
   return out;
 }
 
-Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device)
-{
+Capabilities examineDevice(const InstanceFunctions& vk, VkPhysicalDevice device) {
   Capabilities out;
-  try { readCapabilities(vk, device, out); }
-  catch (const VulkanError& error) {
+  try {
+    readCapabilities(vk, device, out);
+  } catch (const VulkanError& error) {
     out.driverError = error.code;
     setText(out.info.unsupportedReason, std::string("its driver failed: ") + error.what());
   }
   return out;
 }
 
-VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& selector)
-{
+VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& selector) {
   const std::vector<VkPhysicalDevice> devices = vulkan.devices();
   if (devices.empty())
     throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan finds no device on this machine "
@@ -253,12 +240,11 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& s
   VkPhysicalDevice best = VK_NULL_HANDLE;
   bool isBestDiscrete = false;
   RTCError unsupportedError = RTC_ERROR_UNSUPPORTED_CPU;
-  for (size_t i = 0; i < devices.size(); i++)
-  {
+  for (size_t i = 0; i < devices.size(); i++) {
     const Capabilities c = examineDevice(vulkan.vk, devices[i]);
     known += (known.empty() ? "" : ", ") + std::to_string(i) + " " + c.info.name;
-    const bool fits = isIndex ? std::to_string(i) == selector
-                              : lowerCase(c.info.name).find(lowerCase(selector)) != std::string::npos;
+    const bool fits =
+        isIndex ? std::to_string(i) == selector : lowerCase(c.info.name).find(lowerCase(selector)) != std::string::npos;
     if (!fits) continue;
     if (c.info.unsupportedReason[0]) {
       unsupported = std::string(c.info.name) + " cannot be used: " + c.info.unsupportedReason;
@@ -271,12 +257,12 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& s
   }
   if (best) return best;
   if (!unsupported.empty()) throw VulkanError(unsupportedError, "the Vulkan device " + unsupported);
-  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("there is no Vulkan device ")
-                    + (isIndex ? "with index '" : "'") + selector + "': expected one of " + known);
+  throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("there is no Vulkan device ") +
+                                                    (isIndex ? "with index '" : "'") + selector +
+                                                    "': expected one of " + known);
 }
 
-VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, const Capabilities& capabilities)
-{
+VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, const Capabilities& capabilities) {
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
   queue.queueFamilyIndex = capabilities.computeFamily;
@@ -290,8 +276,8 @@ VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, co
   features.features.shaderFloat64 = capabilities.info.hasFloat64;
   VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
   query.rayQuery = VK_TRUE;
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures =
-    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
   structures.pNext = &query;
   structures.accelerationStructure = VK_TRUE;
   std::vector<const char*> extensions;

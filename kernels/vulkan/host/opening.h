@@ -15,8 +15,7 @@ namespace embree { namespace vulkan {
 
 /* The Vulkan loader and an instance. The constructor throws VulkanError if there is no loader or no working
  * driver. */
-class VulkanInstance
-{
+class VulkanInstance {
 public:
   VulkanInstance();
   ~VulkanInstance();
@@ -34,20 +33,19 @@ private:
 };
 
 /* Properties of a physical device. */
-struct Capabilities
-{
+struct Capabilities {
   RTCVulkanDeviceInfo info;
-  RTCError driverError = RTC_ERROR_NONE; // set by examineDevice
-  bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
-  size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures, in bytes
+  RTCError driverError = RTC_ERROR_NONE;   // set by examineDevice
+  bool hasHostImport = false;              // the device has VK_EXT_external_memory_host
+  size_t scratchAlignment = 256;           // of scratch memory for builds of acceleration structures, in bytes
   uint64_t maxBoxes = 0, maxInstances = 0; // of bottom-level and top-level acceleration structures
-  uint32_t computeFamily = ~0u;     // index of a queue family that supports compute; ~0u if there is none
+  uint32_t computeFamily = ~0u;            // index of a queue family that supports compute; ~0u if there is none
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
-  size_t maxAllocation = 0;         // largest allocation, in bytes
-  size_t importAlignment = 4096;    // of host memory that is imported
-  uint32_t timestampBits = 0;       // valid bits of the queue's timestamps; 0 without timestamps
-  uint8_t cacheID[VK_UUID_SIZE];    // identifies the device and driver version of cached pipelines
+  size_t maxAllocation = 0;      // largest allocation, in bytes
+  size_t importAlignment = 4096; // of host memory that is imported
+  uint32_t timestampBits = 0;    // valid bits of the queue's timestamps; 0 without timestamps
+  uint8_t cacheID[VK_UUID_SIZE]; // identifies the device and driver version of cached pipelines
 };
 
 /* Reads the properties of a device. If the device cannot be used, info.unsupportedReason contains the reason, and other

@@ -17,8 +17,7 @@ namespace embree { namespace vulkan {
 
 using cbvh::PlacedBoxes;
 
-struct QueryStructures
-{
+struct QueryStructures {
   /* Identifies a bottom level: number of the instanced scene (0: the scene itself), LeafBoxes::geomID there, and geomID
    * of the moving instance that it belongs to, or RTC_INVALID_GEOMETRY_ID. */
   typedef std::tuple<size_t, uint32_t, uint32_t> LevelID;
@@ -28,12 +27,14 @@ struct QueryStructures
 };
 
 /* Builds QueryStructures. Add all levels and instances, then call build() once. */
-class QueryStructuresBuilder
-{
+class QueryStructuresBuilder {
 public:
   /* previous: structures of the scene before an edit, from which new ones are updated if possible, or NULL. */
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
-    : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
+    : device(device),
+      uploader(uploader),
+      previous(previous),
+      input(new Arena(device)) {}
 
   /* Adds a bottom level over transformed boxes. Reuses a level of the device with the same boxes. Returns its number,
    * for addInstance. */
@@ -54,9 +55,9 @@ private:
   Device& device;
   Uploader& uploader;
   const QueryStructures* const previous;
-  std::unique_ptr<Arena> input;                // boxes; freed after the build
+  std::unique_ptr<Arena> input; // boxes; freed after the build
   std::vector<LevelRequest> requests;
-  std::vector<QueryStructures::LevelID> levelIDs;   // of each level in `requests`
+  std::vector<QueryStructures::LevelID> levelIDs; // of each level in `requests`
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::vector<PlacedBoxes> placed;
 };

@@ -14,11 +14,10 @@ namespace embree { namespace vulkan {
  * are too many rays. */
 size_t rayOrderBytes(size_t count);
 
-struct RaysToOrder
-{
-  VkDeviceAddress rays;      // each begins with origin, tnear and direction, as RTCRay
-  size_t rayBytes, count;    // rayBytes: multiple of 4; count: not 0
-  VkDeviceAddress scratch;   // of rayOrderBytes(count), aligned to 16
+struct RaysToOrder {
+  VkDeviceAddress rays;    // each begins with origin, tnear and direction, as RTCRay
+  size_t rayBytes, count;  // rayBytes: multiple of 4; count: not 0
+  VkDeviceAddress scratch; // of rayOrderBytes(count), aligned to 16
 };
 
 /* Records the sort, and a barrier before later compute shaders. The result, sorted pairs (key, index), is at the

@@ -14,27 +14,28 @@ using namespace cbvh;
 
 namespace {
 
-struct FlatRelease { void operator()(const FlatScene* flat) const { rtcReleaseFlatScene(flat); } };
-struct DeviceRelease { void operator()(RTCDevice device) const { rtcReleaseDevice(device); } };
+struct FlatRelease {
+  void operator()(const FlatScene* flat) const { rtcReleaseFlatScene(flat); }
+};
+struct DeviceRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
 using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 
 /* The traced scene, or a scene that it instances. */
-struct InputScene
-{
+struct InputScene {
   RTCScene scene;
   std::unique_ptr<const FlatScene, FlatRelease> flat;
-  uint32_t firstGeometry = 0;   // index of geomID 0 in the geometries of all inputs
+  uint32_t firstGeometry = 0; // index of geomID 0 in the geometries of all inputs
   Subtree tree;
 };
 
-std::string nameOf(const InputScene& input, const InputScene& top, size_t geomID)
-{
+std::string nameOf(const InputScene& input, const InputScene& top, size_t geomID) {
   return "geometry " + std::to_string(geomID) + (&input == &top ? "" : " of an instanced scene");
 }
 
 /* True if Embree accepts the vertex: with larger coordinates, areas of boxes would overflow. */
-bool isVertexInRange(const float* p)
-{
+bool isVertexInRange(const float* p) {
   for (int k = 0; k < 3; k++)
     if (!(std::fabs(p[k]) < 1.844e18f)) return false;
   return true;
@@ -42,16 +43,16 @@ bool isVertexInRange(const float* p)
 
 /* World-space bounds, over all times, of a box in an instance's space. Transforming its corners at each step suffices,
  * because they move linearly in between. Empty if a corner is not in range. */
-Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
-{
+Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper) {
   Bounds out = Bounds::empty();
   for (uint32_t step = 0; step < instance.numTimeSteps; step++)
     for (int corner = 0; corner < 8; corner++) {
-      const float* m = instance.localToWorld + 12*step;
+      const float* m = instance.localToWorld + 12 * step;
       float p[3];
       for (int k = 0; k < 3; k++) {
         p[k] = m[9 + k];
-        for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? upper[axis] : lower[axis]);
+        for (int axis = 0; axis < 3; axis++)
+          p[k] += m[3 * axis + k] * ((corner >> axis) & 1 ? upper[axis] : lower[axis]);
       }
       if (!isVertexInRange(p)) return Bounds::empty();
       out.extend(p);
@@ -59,7 +60,8 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
   /* Margin for rounding errors of this transform, and of the inverse one, which transforms rays. Errors exceed it if
    * terms cancel or the transform is ill-conditioned. Embree has no margin. */
   for (int k = 0; k < 3; k++) {
-    const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
+    const float slack =
+        1e-5f * std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
     out.upper[k] += slack;
   }
@@ -67,15 +69,13 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
 }
 
 /* Bounds of the whole instance. Embree does not trace instances for which they are empty. */
-Bounds worldBounds(const FlatGeometry& instance)
-{
+Bounds worldBounds(const FlatGeometry& instance) {
   return instance.lower[0] <= instance.upper[0] ? worldBounds(instance, instance.lower, instance.upper)
                                                 : Bounds::empty();
 }
 
 /* For static instances: true if the driver can invert the transform, as it must to transform rays. */
-bool isInvertible(const FlatGeometry& instance)
-{
+bool isInvertible(const FlatGeometry& instance) {
   return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
 }
 
@@ -83,12 +83,14 @@ bool isInvertible(const FlatGeometry& instance)
 
 /* Converts a committed scene of Embree to the layout of scene_layout.h and uploads it, in the constructor. A scene and
  * the scenes that it instances are its inputs. Their nodes, blocks and geometries share arrays. */
-class SceneUpload
-{
+class SceneUpload {
 public:
   SceneUpload(Scene& out, RTCScene scene, const SceneOptions& options)
-    : out(out), device(out.device), options(options), memory(options.memory), uploader(device)
-  {
+    : out(out),
+      device(out.device),
+      options(options),
+      memory(options.memory),
+      uploader(device) {
     addScene(scene);
     for (size_t i = 0; i < inputs.size(); i++) addInstancedScenes(i);
     checkGeometries();
@@ -98,8 +100,7 @@ public:
   }
 
 private:
-  void addScene(RTCScene scene)
-  {
+  void addScene(RTCScene scene) {
     if (inputIndex.count(scene)) return;
     InputScene input;
     input.scene = scene;
@@ -117,17 +118,16 @@ private:
     inputs.push_back(std::move(input));
   }
 
-  void addInstancedScenes(size_t s)
-  {
-    for (size_t i = 0; i < inputs[s].flat->numGeometries; i++)
-    {
+  void addInstancedScenes(size_t s) {
+    for (size_t i = 0; i < inputs[s].flat->numGeometries; i++) {
       const FlatGeometry& geometry = inputs[s].flat->geometries[i];
       if (geometry.type != FLAT_INSTANCE) continue;
       const bool isNested = s != 0;
-      if (isNested || geometry.instanced == inputs[0].scene)   // traversal of a scene in itself would never end
-        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i)
-                          + (isNested ? " is an instance" : " instances its own scene")
-                          + ": scenes with instances cannot be instanced, RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
+      if (isNested || geometry.instanced == inputs[0].scene) // traversal of a scene in itself would never end
+        throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                          nameOf(inputs[s], inputs[0], i) +
+                              (isNested ? " is an instance" : " instances its own scene") +
+                              ": scenes with instances cannot be instanced, RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
       if (!geometry.instanced)
         throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(inputs[s], inputs[0], i) + " instances no scene");
       addScene(geometry.instanced);
@@ -135,23 +135,22 @@ private:
   }
 
   /* Throws VulkanError for geometry that shaders cannot trace. */
-  void checkGeometries() const
-  {
+  void checkGeometries() const {
     for (const InputScene& input : inputs)
-      for (size_t i = 0; i < input.flat->numGeometries; i++)
-      {
+      for (size_t i = 0; i < input.flat->numGeometries; i++) {
         const FlatGeometry& geometry = input.flat->geometries[i];
         if (geometry.type == FLAT_NONE) continue;
         const std::string name = nameOf(input, inputs[0], i);
         if (geometry.type == FLAT_OTHER)
-          throw VulkanError(RTC_ERROR_INVALID_OPERATION,
-                            name + " is " + geometry.typeName + ": expected a subdivision surface, a triangle mesh, "
-                            "an instance or compressed geometry");
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName +
+                                                             ": expected a subdivision surface, a triangle mesh, "
+                                                             "an instance or compressed geometry");
         if (!geometry.isMotionSupported)
-          throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur ("
-                            + std::to_string(geometry.numTimeSteps)
-                            + " time steps): Vulkan devices support motion blur only for compressed geometry, and for "
-                              "instances with linear transforms");
+          throw VulkanError(
+              RTC_ERROR_INVALID_OPERATION,
+              name + " is " + geometry.typeName + " with motion blur (" + std::to_string(geometry.numTimeSteps) +
+                  " time steps): Vulkan devices support motion blur only for compressed geometry, and for "
+                  "instances with linear transforms");
         if (geometry.hasFilter)
           throw VulkanError(RTC_ERROR_INVALID_OPERATION,
                             name + " has a filter function, which a Vulkan device cannot call");
@@ -165,8 +164,7 @@ private:
   /* --- blocks --- */
 
   /* Imports or copies the blocks of all inputs, and sets `firstBlock` and `blocks`. */
-  void placeBlocks()
-  {
+  void placeBlocks() {
     size_t count = 0;
     for (const InputScene& input : inputs) {
       firstBlock.push_back(uint32_t(count));
@@ -184,8 +182,9 @@ private:
     const bool isImportCheap = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
     bool import = isImportRequired || (memory == RTC_VULKAN_MEMORY_AUTO && isImportCheap);
     if (import && !device.handles.hasHostImport)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ")
-                        + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") +
+                                                         device.capabilities.info.name +
+                                                         " has no VK_EXT_external_memory_host, or it is not enabled");
     /* Drivers may reject some memory. NVIDIA's rejects files that are mapped read-only. */
     if (import) {
       try {
@@ -203,8 +202,7 @@ private:
   /* --- trees --- */
 
   /* Joins the scene's trees over blocks with new trees over its triangles and instances. */
-  void buildTree(InputScene& input)
-  {
+  void buildTree(InputScene& input) {
     const size_t s = size_t(&input - inputs.data());
     const FlatScene& flat = *input.flat;
     std::vector<TreePrimitive> triangles, instances;
@@ -228,36 +226,35 @@ private:
       subtree.depth = from.depth;
       return subtree;
     };
-    input.tree = tree.join({subtreeOf(flat.staticTree), subtreeOf(flat.movingTree),
-                            tree.buildTriangles(embree.get(), triangles),
-                            tree.buildInstances(embree.get(), instances)});
+    input.tree =
+        tree.join({subtreeOf(flat.staticTree), subtreeOf(flat.movingTree), tree.buildTriangles(embree.get(), triangles),
+                   tree.buildInstances(embree.get(), instances)});
   }
 
-  static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<TreePrimitive>& triangles)
-  {
-    for (size_t i = 0; i < geometry.numTriangles; i++)
-    {
+  static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<TreePrimitive>& triangles) {
+    for (size_t i = 0; i < geometry.numTriangles; i++) {
       uint32_t corners[3];
-      std::memcpy(corners, geometry.indices + i*geometry.indexStride, sizeof(corners));
+      std::memcpy(corners, geometry.indices + i * geometry.indexStride, sizeof(corners));
       TreePrimitive triangle = {Bounds::empty(), geomID, uint32_t(i)};
       bool valid = true;
       for (int c = 0; c < 3 && valid; c++) {
         valid = corners[c] < geometry.numVertices;
         if (!valid) break;
         float p[3];
-        std::memcpy(p, geometry.vertices + corners[c]*geometry.vertexStride, sizeof(p));
+        std::memcpy(p, geometry.vertices + corners[c] * geometry.vertexStride, sizeof(p));
         valid = isVertexInRange(p);
         triangle.bounds.extend(p);
       }
-      if (valid) triangles.push_back(triangle);   // as Embree, skips invalid triangles
+      if (valid) triangles.push_back(triangle); // as Embree, skips invalid triangles
     }
   }
 
-  struct SceneOffsets { size_t node, movingNode, leaf; };
+  struct SceneOffsets {
+    size_t node, movingNode, leaf;
+  };
 
   /* Appends nodes and leaves of input s to the arrays that all inputs share. */
-  void copyNodes(const FlatScene& flat, size_t s)
-  {
+  void copyNodes(const FlatScene& flat, size_t s) {
     offsets.resize(inputs.size());
     offsets[s] = {tree.nodes.size(), tree.movingNodes.size(), leaves.size()};
     requireIndexable(tree.nodes.size() + flat.numNodes, "nodes");
@@ -279,8 +276,7 @@ private:
   }
 
   /* Converts a reference of input s to the shared arrays, and adds the type of a block to out.kinds. */
-  uint32_t renumbered(uint32_t reference, size_t s)
-  {
+  uint32_t renumbered(uint32_t reference, size_t s) {
     if (reference == emptyReference) return reference;
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
     if (type == nodeReferenceType) return makeReference(type, uint32_t(offsets[s].node) + index);
@@ -293,8 +289,7 @@ private:
   /* --- writing --- */
 
   /* Appends the triangles to `leaves`, and adjusts references to them. */
-  void appendTriangles()
-  {
+  void appendTriangles() {
     if (tree.triangles.empty()) return;
     out.kinds |= 1u << firstRunReferenceType;
     const uint32_t first = uint32_t(leaves.size());
@@ -310,27 +305,24 @@ private:
 
   /* Uploads an array into memory of the scene. An empty array has an address, too. what: for messages. */
   template<typename T>
-  Slice writeArray(const T* data, size_t count, const char* what)
-  {
-    const Slice slice = out.arena.allocate(std::max(count, size_t(1))*sizeof(T), what);
-    if (count) uploader.write(slice, 0, data, count*sizeof(T));
+  Slice writeArray(const T* data, size_t count, const char* what) {
+    const Slice slice = out.arena.allocate(std::max(count, size_t(1)) * sizeof(T), what);
+    if (count) uploader.write(slice, 0, data, count * sizeof(T));
     return slice;
   }
 
-  GeometryData uploadGeometry(const InputScene& input, const FlatGeometry& geometry)
-  {
+  GeometryData uploadGeometry(const InputScene& input, const FlatGeometry& geometry) {
     GeometryData data = GeometryData();
     data.mask = geometry.type == FLAT_NONE ? 0 : geometry.mask;
     data.isRobust = input.flat->isRobust;
-    if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
-    {
+    if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles) {
       /* without the padding after the last element, which may be unreadable */
-      const size_t vertexBytes = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
-      const size_t indexBytes = (geometry.numTriangles - 1)*geometry.indexStride + 12;
+      const size_t vertexBytes = geometry.numVertices ? (geometry.numVertices - 1) * geometry.vertexStride + 12 : 0;
+      const size_t indexBytes = (geometry.numTriangles - 1) * geometry.indexStride + 12;
       data.vertices = writeArray(geometry.vertices, vertexBytes, "vertices of a triangle mesh").address();
       data.indices = writeArray(geometry.indices, indexBytes, "indices of a triangle mesh").address();
-      data.vertexStride = uint32_t(geometry.vertexStride/4);
-      data.indexStride = uint32_t(geometry.indexStride/4);
+      data.vertexStride = uint32_t(geometry.vertexStride / 4);
+      data.indexStride = uint32_t(geometry.indexStride / 4);
     }
     if (geometry.type == FLAT_INSTANCE) {
       const InputScene& instanced = inputs[inputIndex.at(geometry.instanced)];
@@ -339,8 +331,9 @@ private:
       if (geometry.numTimeSteps > 1) {
         data.begin = geometry.begin;
         data.end = geometry.end;
-        data.transforms
-          = writeArray(geometry.localToWorld, 12*size_t(geometry.numTimeSteps), "transforms of an instance").address();
+        data.transforms =
+            writeArray(geometry.localToWorld, 12 * size_t(geometry.numTimeSteps), "transforms of an instance")
+                .address();
       }
       data.root = instanced.tree.root;
       data.firstGeometry = instanced.firstGeometry;
@@ -351,57 +344,51 @@ private:
 
   /* --- ray queries --- */
 
-  uint32_t geomIDOf(uint32_t reference) const
-  {
+  uint32_t geomIDOf(uint32_t reference) const {
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
     if (isRunType(type)) return RTC_INVALID_GEOMETRY_ID;
     return blocks[type == gridLeafReferenceType ? leaves[index][0] : index].geomID;
   }
 
-  struct SceneBoxes
-  {
+  struct SceneBoxes {
     LeafBoxes boxes;
     VkDeviceAddress address;
-    size_t level;   // result of addLevel: a bottom level in the instanced scene's space
+    size_t level; // result of addLevel: a bottom level in the instanced scene's space
   };
 
   /* Adds bottom levels and instances of all inputs. Moving instances have bottom levels of their own, for all times. */
-  void addLevelsAndInstances(QueryStructuresBuilder& builder)
-  {
-    const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
+  void addLevelsAndInstances(QueryStructuresBuilder& builder) {
+    const float identity[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
     const auto unchanged = [](const Bounds& b) { return b; };
     std::vector<std::vector<SceneBoxes>> boxesOfInputs(inputs.size());
     for (size_t s = 0; s < inputs.size(); s++)
-      for (LeafBoxes& boxes
-           : leafBoxesOf(tree, inputs[s].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
-        const VkDeviceAddress address
-          = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
-        const size_t level
-          = builder.addLevel(boxes, QueryStructures::LevelID(s, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
+      for (LeafBoxes& boxes :
+           leafBoxesOf(tree, inputs[s].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
+        const VkDeviceAddress address = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
+        const size_t level =
+            builder.addLevel(boxes, QueryStructures::LevelID(s, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
         if (s == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
         else boxesOfInputs[s].push_back({std::move(boxes), address, level});
       }
     const FlatScene& top = *inputs[0].flat;
-    for (size_t i = 0; i < top.numGeometries; i++)
-    {
+    for (size_t i = 0; i < top.numGeometries; i++) {
       const FlatGeometry& instance = top.geometries[i];
       if (instance.type != FLAT_INSTANCE || worldBounds(instance).isEmpty()) continue;
       const size_t s = inputIndex.at(instance.instanced);
       if (instance.numTimeSteps == 1 && !isInvertible(instance)) continue;
-      for (const SceneBoxes& sceneBoxes : boxesOfInputs[s])
-      {
+      for (const SceneBoxes& sceneBoxes : boxesOfInputs[s]) {
         const PlacedBoxes placed = {sceneBoxes.address, uint32_t(i), inputs[s].firstGeometry};
         if (instance.numTimeSteps == 1) builder.addInstance(sceneBoxes.level, instance.localToWorld, placed);
-        else builder.addInstance(
-          builder.addLevel(sceneBoxes.boxes, QueryStructures::LevelID(s, sceneBoxes.boxes.geomID, uint32_t(i)),
-                           [&](const Bounds& b) { return worldBounds(instance, b.lower, b.upper); }),
-          identity, placed);
+        else
+          builder.addInstance(
+              builder.addLevel(sceneBoxes.boxes, QueryStructures::LevelID(s, sceneBoxes.boxes.geomID, uint32_t(i)),
+                               [&](const Bounds& b) { return worldBounds(instance, b.lower, b.upper); }),
+              identity, placed);
       }
     }
   }
 
-  void write()
-  {
+  void write() {
     appendTriangles();
     std::vector<GeometryData> geometries;
     uint32_t instancedDepth = 0;
@@ -413,13 +400,14 @@ private:
     /* Traversal pushes up to three children per node. Two more entries, because an empty scene also needs a stack. A
      * multiple of 32, so that scenes of similar depth share a pipeline. */
     const uint32_t depth = inputs[0].tree.depth + instancedDepth;
-    out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
+    out.statistics.stackSize = (3 * depth + 2 + 31) & ~31u;
 
     static_assert(sizeof(FlatNode) == nodeBytes && sizeof(FlatMovingNode) == movingNodeBytes, "layout of a node");
     SceneData data = SceneData();
     data.nodes = writeArray(tree.nodes.data(), tree.nodes.size(), "nodes").address();
-    data.movingNodes = tree.movingNodes.empty() ? data.nodes
-      : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "moving nodes").address();
+    data.movingNodes = tree.movingNodes.empty()
+                           ? data.nodes
+                           : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "moving nodes").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.leaves = writeArray(leaves.data(), leaves.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
@@ -427,8 +415,7 @@ private:
       QueryStructuresBuilder builder(device, uploader,
                                      options.previousScene ? &options.previousScene->structures : nullptr);
       addLevelsAndInstances(builder);
-      data.placed
-        = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "placed boxes").address();
+      data.placed = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "placed boxes").address();
       builder.build(out.arena, out.structures, out.statistics);
       data.topLevel = out.structures.topLevel->address;
     }
@@ -441,12 +428,12 @@ private:
     RTCVulkanSceneStatistics& statistics = out.statistics;
     statistics.numNodes = tree.nodes.size() + tree.movingNodes.size();
     statistics.numGeometries = numGeometries;
-    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode)
-      + leaves.size()*sizeof(leaves[0]) + blocks.size()*sizeof(BlockData);
+    statistics.topLevelBytes = tree.nodes.size() * sizeof(FlatNode) + tree.movingNodes.size() * sizeof(FlatMovingNode) +
+                               leaves.size() * sizeof(leaves[0]) + blocks.size() * sizeof(BlockData);
     statistics.importedBytes = out.blocks.importedBytes;
     statistics.uploadedBytes = uploader.written;
-    statistics.deviceBytes = out.arena.bytes() + statistics.structureBytes
-      + (statistics.importedBytes ? 0 : out.blocks.bytes());
+    statistics.deviceBytes =
+        out.arena.bytes() + statistics.structureBytes + (statistics.importedBytes ? 0 : out.blocks.bytes());
     if (statistics.importedBytes) {
       out.source = inputs[0].scene;
       rtcRetainScene(out.source);
@@ -458,10 +445,10 @@ private:
   const SceneOptions options;
   const RTCVulkanMemory memory;
   Uploader uploader;
-  std::vector<InputScene> inputs;         // first is the traced scene
-  std::map<RTCScene, size_t> inputIndex;  // index of a scene in inputs
+  std::vector<InputScene> inputs;        // first is the traced scene
+  std::map<RTCScene, size_t> inputIndex; // index of a scene in inputs
   uint32_t numGeometries = 0;
-  std::vector<uint32_t> firstBlock;       // index of the first block of each input in blocks
+  std::vector<uint32_t> firstBlock; // index of the first block of each input in blocks
   std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> leaves;
@@ -469,35 +456,34 @@ private:
 };
 
 Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)
-  : device(device), held(device), usesRayQuery(options.usesRayQuery), arena(device)
-{
+  : device(device),
+    held(device),
+    usesRayQuery(options.usesRayQuery),
+    arena(device) {
   SceneUpload(*this, scene, options);
 }
 
-Scene::~Scene()
-{
-  blocks = BlockBuffers();   // first, because they may import memory of `source`
+Scene::~Scene() {
+  blocks = BlockBuffers(); // first, because they may import memory of `source`
   if (source) rtcReleaseScene(source);
 }
 
 void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
-                   VkDeviceAddress order) const
-{
+                   VkDeviceAddress order) const {
   const DeviceFunctions& vk = device.vk;
   vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-  const size_t groupSize = 64;   // local_size_x of trace.comp
+  const size_t groupSize = 64; // local_size_x of trace.comp
   /* the shader indexes words of rays with 32 bits: 2^26 rays of 20 words fit */
-  const size_t maxRays = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*groupSize,
-                               size_t(1) << 26);
+  const size_t maxRays =
+      std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0]) * groupSize, size_t(1) << 26);
   const size_t rayBytes = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
-  for (size_t first = 0; first < count; first += maxRays)
-  {
+  for (size_t first = 0; first < count; first += maxRays) {
     const size_t n = std::min(count - first, maxRays);
     const TraceArguments arguments = order ? TraceArguments{address, rays, order, uint32_t(first), uint32_t(n)}
-                                           : TraceArguments{address, rays + first*rayBytes, 0, 0, uint32_t(n)};
+                                           : TraceArguments{address, rays + first * rayBytes, 0, 0, uint32_t(n)};
     vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments),
                         &arguments);
-    vk.CmdDispatch(commands, uint32_t((n + groupSize - 1)/groupSize), 1, 1);
+    vk.CmdDispatch(commands, uint32_t((n + groupSize - 1) / groupSize), 1, 1);
   }
 }
 

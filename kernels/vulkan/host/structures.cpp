@@ -10,8 +10,7 @@ namespace embree { namespace vulkan {
 
 /* --- structures of a device --------------------------------------------------------------- */
 
-std::shared_ptr<const BottomLevel> Structures::find(const BoxesKey& key) const
-{
+std::shared_ptr<const BottomLevel> Structures::find(const BoxesKey& key) const {
   std::lock_guard<std::mutex> lock(mutex);
   const auto sameHash = levels.equal_range(key.hash());
   for (auto entry = sameHash.first; entry != sameHash.second; ++entry)
@@ -20,14 +19,12 @@ std::shared_ptr<const BottomLevel> Structures::find(const BoxesKey& key) const
   return nullptr;
 }
 
-void Structures::add(const std::shared_ptr<const BottomLevel>& level)
-{
+void Structures::add(const std::shared_ptr<const BottomLevel>& level) {
   std::lock_guard<std::mutex> lock(mutex);
   levels.insert({level->key.hash(), level});
 }
 
-void Structures::removeExpired()
-{
+void Structures::removeExpired() {
   std::lock_guard<std::mutex> lock(mutex);
   for (auto level = levels.begin(); level != levels.end();)
     level = level->second.expired() ? levels.erase(level) : std::next(level);
@@ -35,8 +32,9 @@ void Structures::removeExpired()
 
 Structure::Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory,
                      size_t offset, size_t bytes)
-  : bytes(bytes), device(device), memory(memory)
-{
+  : bytes(bytes),
+    device(device),
+    memory(memory) {
   VkAccelerationStructureCreateInfoKHR info = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
   info.buffer = memory->handle;
   info.offset = offset;
@@ -44,8 +42,8 @@ Structure::Structure(Device& device, VkAccelerationStructureTypeKHR type, const 
   info.type = type;
   check(device.vk.CreateAccelerationStructureKHR(device.handles.device, &info, nullptr, &handle),
         "creating a structure of " + std::to_string(bytes) + " bytes for ray queries");
-  VkAccelerationStructureDeviceAddressInfoKHR addressInfo
-    = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
+  VkAccelerationStructureDeviceAddressInfoKHR addressInfo = {
+      VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
   addressInfo.accelerationStructure = handle;
   address = device.vk.GetAccelerationStructureDeviceAddressKHR(device.handles.device, &addressInfo);
 }
@@ -56,24 +54,22 @@ Structure::~Structure() { device.vk.DestroyAccelerationStructureKHR(device.handl
 
 namespace {
 
-constexpr size_t structureAlignment = 256;   // alignment that Vulkan requires
+constexpr size_t structureAlignment = 256; // alignment that Vulkan requires
 
-size_t roundedUp(size_t bytes, size_t alignment) { return (bytes + alignment - 1)/alignment*alignment; }
+size_t roundedUp(size_t bytes, size_t alignment) { return (bytes + alignment - 1) / alignment * alignment; }
 
 /* A build or update of an acceleration structure. */
-struct Build
-{
+struct Build {
   VkAccelerationStructureTypeKHR type;
   VkAccelerationStructureGeometryKHR geometry;
-  uint32_t count;                         // of boxes or instances
-  VkAccelerationStructureKHR from;        // source of an update, or VK_NULL_HANDLE
-  size_t bytes, scratch;                  // set by measure()
-  std::shared_ptr<Structure> structure;   // set by buildTogether()
+  uint32_t count;                       // of boxes or instances
+  VkAccelerationStructureKHR from;      // source of an update, or VK_NULL_HANDLE
+  size_t bytes, scratch;                // set by measure()
+  std::shared_ptr<Structure> structure; // set by buildTogether()
 
-  VkAccelerationStructureBuildGeometryInfoKHR info() const
-  {
-    VkAccelerationStructureBuildGeometryInfoKHR info =
-      {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+  VkAccelerationStructureBuildGeometryInfoKHR info() const {
+    VkAccelerationStructureBuildGeometryInfoKHR info = {
+        VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
     info.type = type;
     info.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
     if (type == VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR)
@@ -86,20 +82,18 @@ struct Build
     return info;
   }
 
-  void measure(Device& device)
-  {
+  void measure(Device& device) {
     VkAccelerationStructureBuildSizesInfoKHR sizes = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
     const VkAccelerationStructureBuildGeometryInfoKHR geometryInfo = info();
     device.vk.GetAccelerationStructureBuildSizesKHR(
-      device.handles.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &geometryInfo, &count, &sizes);
+        device.handles.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &geometryInfo, &count, &sizes);
     bytes = size_t(sizes.accelerationStructureSize);
     scratch = size_t(from ? sizes.updateScratchSize : sizes.buildScratchSize);
   }
 };
 
 void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, VkPipelineStageFlags fromStage,
-                VkAccessFlags to, VkPipelineStageFlags toStage)
-{
+                VkAccessFlags to, VkPipelineStageFlags toStage) {
   VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = from;
   barrier.dstAccessMask = to;
@@ -107,8 +101,7 @@ void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, Vk
 }
 
 /* Builds with one command, into one shared buffer. Waits for the device. */
-void buildTogether(Device& device, Build* builds, size_t count)
-{
+void buildTogether(Device& device, Build* builds, size_t count) {
   const size_t alignment = device.capabilities.scratchAlignment;
   size_t bytes = 0, scratchBytes = alignment;
   for (size_t i = 0; i < count; i++) {
@@ -144,8 +137,7 @@ void buildTogether(Device& device, Build* builds, size_t count)
 
 /* Builds in batches: the structures of a batch, and their scratch memory, have at most maxBatchBytes each, unless the
  * batch is a single structure. */
-void buildAll(Device& device, std::vector<Build>& builds)
-{
+void buildAll(Device& device, std::vector<Build>& builds) {
   const size_t maxBatchBytes = std::min(size_t(64) << 20, device.capabilities.maxAllocation);
   for (Build& build : builds) build.measure(device);
   for (size_t first = 0; first < builds.size();) {
@@ -163,18 +155,17 @@ void buildAll(Device& device, std::vector<Build>& builds)
 
 } // namespace
 
-BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& requests)
-{
+BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& requests) {
   BuildCounts counts;
   std::vector<Build> builds;
   std::unordered_map<BoxesKey, size_t, HashOfKey> buildOf;
-  for (LevelRequest& request : requests)
-  {
+  for (LevelRequest& request : requests) {
     if (request.level || buildOf.count(request.key)) continue;
     if (request.key.boxes().size() > device.capabilities.maxBoxes)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "ray queries need a structure of "
-                        + std::to_string(request.key.boxes().size()) + " boxes: expected at most "
-                        + std::to_string(device.capabilities.maxBoxes) + ", the device's maxPrimitiveCount");
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                        "ray queries need a structure of " + std::to_string(request.key.boxes().size()) +
+                            " boxes: expected at most " + std::to_string(device.capabilities.maxBoxes) +
+                            ", the device's maxPrimitiveCount");
     Build build = Build();
     build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
     build.geometry = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
@@ -192,8 +183,8 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
   device.structures.removeExpired();
   std::vector<std::shared_ptr<const BottomLevel>> levels(builds.size());
   for (const auto& entry : buildOf) {
-    levels[entry.second]
-      = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
+    levels[entry.second] =
+        std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
     device.structures.add(levels[entry.second]);
   }
   for (LevelRequest& request : requests)
@@ -201,8 +192,7 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
   return counts;
 }
 
-std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count)
-{
+std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count) {
   std::vector<Build> builds(1, Build());
   Build& build = builds[0];
   build.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;

@@ -10,8 +10,7 @@
 namespace embree { namespace vulkan {
 
 /* The destructor waits for the device. */
-class Trace
-{
+class Trace {
 public:
   /* Copies the rays and submits the trace. */
   Trace(Scene& scene, Query query, const void* rays, size_t count);
@@ -35,9 +34,9 @@ private:
   Scene& scene;
   const Query query;
   const size_t count, bytes;
-  std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL without rays, or if onDevice is mapped
-  std::unique_ptr<Buffer> order;               // scratch of the sort; NULL without sorting
-  VkQueryPool queryPool = VK_NULL_HANDLE;          // timestamps; null if the queue does not support them
+  std::unique_ptr<Buffer> staging, onDevice; // staging is NULL without rays, or if onDevice is mapped
+  std::unique_ptr<Buffer> order;             // scratch of the sort; NULL without sorting
+  VkQueryPool queryPool = VK_NULL_HANDLE;    // timestamps; null if the queue does not support them
   Device::Submission submission;
 };
 

@@ -11,37 +11,33 @@
 
 namespace embree { namespace vulkan {
 
-Bounds Bounds::empty()
-{
+Bounds Bounds::empty() {
   const float inf = std::numeric_limits<float>::infinity();
   return {{inf, inf, inf}, {-inf, -inf, -inf}};
 }
 
-void Bounds::extend(const float* p)
-{
+void Bounds::extend(const float* p) {
   for (int k = 0; k < 3; k++) {
     lower[k] = std::min(lower[k], p[k]);
     upper[k] = std::max(upper[k], p[k]);
   }
 }
 
-void Bounds::extend(const Bounds& other)
-{
+void Bounds::extend(const Bounds& other) {
   if (other.isEmpty()) return;
   extend(other.lower);
   extend(other.upper);
 }
 
-void requireIndexable(size_t count, const char* what)
-{
+void requireIndexable(size_t count, const char* what) {
   const size_t maxCount = size_t(cbvh::maxReferenceIndex) + 1;
   if (count > maxCount)
-    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has too many ") + what + ", at least "
-                      + std::to_string(count) + ": expected at most " + std::to_string(maxCount));
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has too many ") + what + ", at least " +
+                                                       std::to_string(count) + ": expected at most " +
+                                                       std::to_string(maxCount));
 }
 
-uint32_t Tree::addNode()
-{
+uint32_t Tree::addNode() {
   requireIndexable(nodes.size() + 1, "nodes");
   nodes.emplace_back();
   FlatNode& node = nodes.back();
@@ -54,8 +50,7 @@ uint32_t Tree::addNode()
 
 namespace {
 
-void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
-{
+void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds) {
   node.children[i] = child;
   for (int k = 0; k < 3; k++) {
     node.lower[k][i] = bounds.lower[k];
@@ -64,27 +59,24 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
 }
 
 /* A node or leaf of rtcBuildBVH, in Embree's memory. Children are NULL if that memory ran out, see RanOutOfMemory. */
-struct BuildNode
-{
+struct BuildNode {
   bool isLeaf;
-  unsigned count = 0;                                         // of children, or of the leaf's primitives
+  unsigned count = 0; // of children, or of the leaf's primitives
   RTCBounds bounds[4];
   BuildNode* children[4];
-  std::array<uint32_t, 2> primitives[cbvh::maxRunLength];     // geomID and primID
+  std::array<uint32_t, 2> primitives[cbvh::maxRunLength]; // geomID and primID
 };
 
 /* True once a node or leaf could not be allocated, on any thread: Embree reports this to that thread only. */
 typedef std::atomic<bool> RanOutOfMemory;
 
-void* allocate(RTCThreadLocalAllocator allocator, void* ranOutOfMemory)
-{
+void* allocate(RTCThreadLocalAllocator allocator, void* ranOutOfMemory) {
   void* memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16);
   if (!memory) *static_cast<RanOutOfMemory*>(ranOutOfMemory) = true;
   return memory;
 }
 
-void* createNode(RTCThreadLocalAllocator allocator, unsigned, void* ranOutOfMemory)
-{
+void* createNode(RTCThreadLocalAllocator allocator, unsigned, void* ranOutOfMemory) {
   void* memory = allocate(allocator, ranOutOfMemory);
   if (!memory) return nullptr;
   BuildNode* node = new (memory) BuildNode;
@@ -92,23 +84,20 @@ void* createNode(RTCThreadLocalAllocator allocator, unsigned, void* ranOutOfMemo
   return node;
 }
 
-void setChildren(void* pointer, void** children, unsigned count, void*)
-{
+void setChildren(void* pointer, void** children, unsigned count, void*) {
   BuildNode* node = static_cast<BuildNode*>(pointer);
   if (!node) return;
   node->count = count;
   for (unsigned i = 0; i < count; i++) node->children[i] = static_cast<BuildNode*>(children[i]);
 }
 
-void setBounds(void* pointer, const RTCBounds** bounds, unsigned count, void*)
-{
+void setBounds(void* pointer, const RTCBounds** bounds, unsigned count, void*) {
   if (!pointer) return;
   for (unsigned i = 0; i < count; i++) static_cast<BuildNode*>(pointer)->bounds[i] = *bounds[i];
 }
 
 void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t count,
-                 void* ranOutOfMemory)
-{
+                 void* ranOutOfMemory) {
   void* memory = allocate(allocator, ranOutOfMemory);
   if (!memory) return nullptr;
   BuildNode* leaf = new (memory) BuildNode;
@@ -118,18 +107,18 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pri
   return leaf;
 }
 
-struct BVHDeleter { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
+struct BVHDeleter {
+  void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); }
+};
 
-class TreeCopier
-{
+class TreeCopier {
 public:
   explicit TreeCopier(Tree& tree) : tree(tree) {}
 
   uint32_t depth = 0;
 
   /* Copies a subtree without NULL, and returns a reference to the copy. nodesAbove: number of nodes above it. */
-  uint32_t copySubtree(const BuildNode* from, uint32_t nodesAbove)
-  {
+  uint32_t copySubtree(const BuildNode* from, uint32_t nodesAbove) {
     if (from->isLeaf) return copyLeaf(from);
     depth = std::max(depth, nodesAbove + 1);
     const uint32_t n = tree.addNode();
@@ -142,8 +131,7 @@ public:
   }
 
 private:
-  uint32_t copyLeaf(const BuildNode* from)
-  {
+  uint32_t copyLeaf(const BuildNode* from) {
     const uint32_t geomID = from->primitives[0][0], primID = from->primitives[0][1];
     if (primID == RTC_INVALID_GEOMETRY_ID) { // an instance, see TreePrimitive; buildInstances puts one into each leaf
       requireIndexable(size_t(geomID) + 1, "geometries");
@@ -160,8 +148,7 @@ private:
 
 } // namespace
 
-Subtree Tree::build(RTCDevice device, std::vector<TreePrimitive>& primitives, unsigned maxLeafSize)
-{
+Subtree Tree::build(RTCDevice device, std::vector<TreePrimitive>& primitives, unsigned maxLeafSize) {
   Subtree out;
   if (primitives.empty()) return out;
   std::vector<RTCBuildPrimitive> input(primitives.size());
@@ -198,18 +185,15 @@ Subtree Tree::build(RTCDevice device, std::vector<TreePrimitive>& primitives, un
   return out;
 }
 
-Subtree Tree::buildTriangles(RTCDevice device, std::vector<TreePrimitive>& primitives)
-{
+Subtree Tree::buildTriangles(RTCDevice device, std::vector<TreePrimitive>& primitives) {
   return build(device, primitives, cbvh::maxRunLength);
 }
 
-Subtree Tree::buildInstances(RTCDevice device, std::vector<TreePrimitive>& primitives)
-{
+Subtree Tree::buildInstances(RTCDevice device, std::vector<TreePrimitive>& primitives) {
   return build(device, primitives, 1);
 }
 
-Subtree Tree::join(const std::vector<Subtree>& subtrees)
-{
+Subtree Tree::join(const std::vector<Subtree>& subtrees) {
   std::vector<Subtree> nonEmpty;
   for (const Subtree& subtree : subtrees)
     if (subtree.root != cbvh::emptyReference) nonEmpty.push_back(subtree);

@@ -17,8 +17,7 @@ namespace embree { namespace vulkan {
 using cbvh::FlatNode;
 using cbvh::FlatMovingNode;
 
-struct Bounds
-{
+struct Bounds {
   float lower[3], upper[3];
 
   static Bounds empty();
@@ -28,16 +27,14 @@ struct Bounds
 };
 
 /* A subtree of a Tree, until join() connects it. */
-struct Subtree
-{
+struct Subtree {
   uint32_t root = cbvh::emptyReference;
   Bounds bounds = Bounds::empty();
-  uint32_t depth = 0;   // nodes on the longest path
+  uint32_t depth = 0; // nodes on the longest path
 };
 
 /* A triangle, or an instance, whose primID is RTC_INVALID_GEOMETRY_ID. */
-struct TreePrimitive
-{
+struct TreePrimitive {
   Bounds bounds;
   uint32_t geomID, primID;
 };
@@ -45,12 +42,11 @@ struct TreePrimitive
 /* Throws VulkanError if references cannot represent all indices below `count`. what: plural noun for the message. */
 void requireIndexable(size_t count, const char* what);
 
-class Tree
-{
+class Tree {
 public:
   std::vector<FlatNode> nodes;
   std::vector<FlatMovingNode> movingNodes;
-  std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves are runs of them
+  std::vector<std::array<uint32_t, 2>> triangles; // geomID and primID; leaves are runs of them
 
   /* Add a tree over the primitives, and free `primitives`, which may be large. */
   Subtree buildTriangles(RTCDevice device, std::vector<TreePrimitive>& primitives);

@@ -14,25 +14,21 @@ namespace embree { namespace vulkan {
 
 struct UploadedSurface;
 
-class Uploads
-{
+class Uploads {
 public:
   /* NULL if no scene on the device uses a copy of the surface's blocks. */
-  std::shared_ptr<const UploadedSurface> find(uint64_t buildID) const
-  {
+  std::shared_ptr<const UploadedSurface> find(uint64_t buildID) const {
     std::lock_guard<std::mutex> lock(mutex);
     const auto found = surfaces.find(buildID);
     return found == surfaces.end() ? nullptr : found->second.lock();
   }
 
-  void add(uint64_t buildID, const std::shared_ptr<const UploadedSurface>& surface)
-  {
+  void add(uint64_t buildID, const std::shared_ptr<const UploadedSurface>& surface) {
     std::lock_guard<std::mutex> lock(mutex);
     surfaces[buildID] = surface;
   }
 
-  void removeExpired()
-  {
+  void removeExpired() {
     std::lock_guard<std::mutex> lock(mutex);
     for (auto surface = surfaces.begin(); surface != surfaces.end();)
       surface = surface->second.expired() ? surfaces.erase(surface) : std::next(surface);

@@ -69,27 +69,25 @@
 #define CBVH_STACK_SIZE 96
 #endif
 
-bool cbvhHasKind (uint type) { return (uint(CBVH_LEAF_KINDS) & (1u << type)) != 0u; }
+bool cbvhHasKind(uint type) { return (uint(CBVH_LEAF_KINDS) & (1u << type)) != 0u; }
 
-bool cbvhIsNode (uint type) {
+bool cbvhIsNode(uint type) {
   return type == nodeReferenceType || (cbvhHasKind(movingNodeReferenceType) && type == movingNodeReferenceType);
 }
 
 /* True if all framed blocks of the scene have this kind. The compiler then removes the code of other kinds. */
-bool cbvhHasOnly (uint kind)
-{
+bool cbvhHasOnly(uint kind) {
   return (uint(CBVH_LEAF_KINDS) & (framedKinds << firstBlockReferenceType)) == (1u << blockReferenceType(kind));
 }
 
 /* isPresent: receives true for each child that exists at the time. */
-CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
-{
+CbvhNode cbvhNodeAt(CbvhMovingNode node, float time, out bvec4 isPresent) {
   CbvhNode now = node.atZero;
   for (int k = 0; k < 3; k++) {
-    now.lower[k] += time*node.lowerDifference[k];
-    now.upper[k] += time*node.upperDifference[k];
+    now.lower[k] += time * node.lowerDifference[k];
+    now.upper[k] += time * node.upperDifference[k];
   }
-  isPresent = bvec4(uvec4(lessThanEqual(node.begin, vec4(time)))*uvec4(lessThan(vec4(time), node.end)));
+  isPresent = bvec4(uvec4(lessThanEqual(node.begin, vec4(time))) * uvec4(lessThan(vec4(time), node.end)));
   return now;
 }
 
@@ -98,7 +96,7 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
  * product, and 5 for the reciprocal, because Vulkan's quotients are off by up to 2.5 ulps. On the direction's largest
  * axis: 1 for the product, and 10 for the quotients of the shear and of the box test, which may differ. The larger
  * sum is 11, and 6 ulps are 12. */
-const float cbvhNearFactor = 1.0 - 6.0*floatUlp, cbvhFarFactor = 1.0 + 6.0*floatUlp;
+const float cbvhNearFactor = 1.0 - 6.0 * floatUlp, cbvhFarFactor = 1.0 + 6.0 * floatUlp;
 
 /* Bits of a key with the entry distance. Without the sign, because max(0,-0) may be -0. */
 const uint cbvhEntryBits = 0x7FFFFFFCu;
@@ -106,16 +104,15 @@ const uint cbvhEntryBits = 0x7FFFFFFCu;
 /* Returns sorted keys of the children, nearest first: the bits of a lower bound of the distance, which compare as
  * integers, with 3 minus the child's index in the lower two bits; 0xFFFFFFFF for missed children. Of children at the
  * same distance, later ones come first, as in Embree. */
-uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar)
-{
+uvec4 cbvhSortChildren(CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar) {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
   for (int k = 0; k < 3; k++) {
-    vec4 a = (node.lower[k] - ray.org[k])*ray.rcp[k], b = (node.upper[k] - ray.org[k])*ray.rcp[k];
+    vec4 a = (node.lower[k] - ray.org[k]) * ray.rcp[k], b = (node.upper[k] - ray.org[k]) * ray.rcp[k];
     enter = max(enter, min(a, b));
     leave = min(leave, max(a, b));
   }
   enter *= cbvhNearFactor;
-  bvec4 isHit = lessThanEqual(enter, leave*cbvhFarFactor);
+  bvec4 isHit = lessThanEqual(enter, leave * cbvhFarFactor);
   uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & cbvhEntryBits) | uvec4(3u, 2u, 1u, 0u), isHit);
   keys = mix(uvec4(0xFFFFFFFFu), keys, isPresent);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
@@ -123,13 +120,12 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, flo
   return uvec4(keys.x, min(keys.y, keys.z), max(keys.y, keys.z), keys.w);
 }
 
-uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
-float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & cbvhEntryBits); }
+uint cbvhChildOfKey(uint key) { return 3u - (key & 3u); }
+float cbvhEntryOfKey(uint key) { return uintBitsToFloat(key & cbvhEntryBits); }
 
 /* Intersects a leaf that is not an instance. framed: see cbvhReport. */
-bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const bool anyHit, inout CbvhHit hit,
-                    inout vec2 framed, inout CbvhVertNearest nearest)
-{
+bool cbvhTraceLeaf(SceneData scene, CbvhPreparedRay ray, uint reference, const bool anyHit, inout CbvhHit hit,
+                   inout vec2 framed, inout CbvhVertNearest nearest) {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(gridLeafReferenceType) && type == gridLeafReferenceType)
     return cbvhTraceGridLeaf(scene, ray, index, anyHit, hit);
@@ -142,14 +138,15 @@ bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const 
   if (cbvhHasKind(meshBlockReferenceType) && type == meshBlockReferenceType)
     return cbvhTraceMesh(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if ((uint(CBVH_LEAF_KINDS) & (framedKinds << firstBlockReferenceType)) == 0u) return false;
-  uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel
-            : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReferenceType;
+  uint kind = cbvhHasOnly(kindLeaf)    ? kindLeaf
+              : cbvhHasOnly(kindVoxel) ? kindVoxel
+              : cbvhHasOnly(kindGrid)  ? kindGrid
+                                       : type - firstBlockReferenceType;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }
 
 /* address: of the SceneData. */
-bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHit hit)
-{
+bool cbvhTrace(uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHit hit) {
   hit.t = worldRay.tfar;
   hit.u = hit.v = 0.0;
   hit.Ng = vec3(0.0);
@@ -163,14 +160,12 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
 
-  uvec2 stack[CBVH_STACK_SIZE];       // pairs of reference and key of cbvhSortChildren
+  uvec2 stack[CBVH_STACK_SIZE];  // pairs of reference and key of cbvhSortChildren
   int top = 0, instanceTop = -1; // instanceTop: `top` when the ray entered an instance
   uint current = scene.root;
 
-  while (true)
-  {
-    while (current != emptyReference && cbvhIsNode(referenceType(current)))
-    {
+  while (true) {
+    while (current != emptyReference && cbvhIsNode(referenceType(current))) {
       bvec4 isPresent = bvec4(true);
       CbvhNode node;
       if (cbvhHasKind(movingNodeReferenceType) && referenceType(current) == movingNodeReferenceType)
@@ -187,15 +182,12 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       }
     }
 
-    if (current != emptyReference)
-    {
-      if (cbvhHasKind(instanceReferenceType) && referenceType(current) == instanceReferenceType)
-      {
+    if (current != emptyReference) {
+      if (cbvhHasKind(instanceReferenceType) && referenceType(current) == instanceReferenceType) {
         uint geomID = referenceIndex(current);
         GeometryData instance = CbvhGeometries(scene.geometries).at[geomID];
         CbvhTransform toLocal;
-        if ((instance.mask & worldRay.mask) != 0u && cbvhWorldToLocal(instance, ray.time, toLocal))
-        {
+        if ((instance.mask & worldRay.mask) != 0u && cbvhWorldToLocal(instance, ray.time, toLocal)) {
           CbvhRay local = cbvhTransformed(toLocal, worldRay);
           if (cbvhMayHit(local)) {
             ray = cbvhPreparedRay(local);
@@ -206,8 +198,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
             continue;
           }
         }
-      }
-      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed, nearest)) {
+      } else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed, nearest)) {
         found = true;
         if (anyHit) return true;
       }
@@ -231,11 +222,10 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
 }
 
 /* Finds the closest hit. If there is none, returns false and sets hit.t to ray.tfar and all IDs to CBVH_INVALID_ID. */
-bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
+bool cbvhIntersect(uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
 
 /* True if the ray hits anything. */
-bool cbvhOccluded (uvec2 scene, CbvhRay ray)
-{
+bool cbvhOccluded(uvec2 scene, CbvhRay ray) {
   CbvhHit hit;
   return cbvhTrace(scene, ray, true, hit);
 }

@@ -87,7 +87,7 @@ def gather(path, seen):
     guard = re.search(r"^#ifndef (\w+_(?:H|GLSL))\n#define \1\n", text, flags=re.M)
     if guard and path != seen[0]:
         end = text.rindex("#endif")
-        text = text[:guard.start()] + text[guard.end():end] + text[end + len("#endif"):]
+        text = text[: guard.start()] + text[guard.end() : end] + text[end + len("#endif") :]
     return text.replace(HEAD, "", 1) if path != seen[0] else text
 
 

@@ -12,18 +12,16 @@
 #include "../scene_layout.h"
 
 /* Four children, one per component. */
-struct CbvhNode
-{
+struct CbvhNode {
   vec4 lower[3], upper[3];
   uvec4 children;
 };
 
 /* A plane at time t is atZero + t*difference. */
-struct CbvhMovingNode
-{
+struct CbvhMovingNode {
   CbvhNode atZero;
   vec4 lowerDifference[3], upperDifference[3];
-  vec4 begin, end;   // a child exists if begin <= t < end
+  vec4 begin, end; // a child exists if begin <= t < end
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhSceneAt { SceneData scene; };
@@ -34,16 +32,18 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Cb
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhQuadwords { uvec4 at[]; };
 
 /* See BlockData. */
-struct CbvhPointer { uvec2 address; uint geomID; };
+struct CbvhPointer {
+  uvec2 address;
+  uint geomID;
+};
 
-CbvhPointer cbvhPointer (SceneData scene, uint index)
-{
+CbvhPointer cbvhPointer(SceneData scene, uint index) {
   uvec4 block = CbvhQuadwords(scene.blocks).at[index];
   return CbvhPointer(block.xy, block.z);
 }
 
-uint cbvhWord (CbvhPointer block, uint i) { return wordAt(block.address, i); }
-uvec4 cbvhQuadword (CbvhPointer block, uint i) { return CbvhQuadwords(block.address).at[i]; }
-float cbvhFloat (CbvhPointer block, uint i) { return floatAt(block.address, i); }
+uint cbvhWord(CbvhPointer block, uint i) { return wordAt(block.address, i); }
+uvec4 cbvhQuadword(CbvhPointer block, uint i) { return CbvhQuadwords(block.address).at[i]; }
+float cbvhFloat(CbvhPointer block, uint i) { return floatAt(block.address, i); }
 
 #endif

@@ -15,8 +15,7 @@
 /* A ray, as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. tnear < 0 counts as 0.
  * Rays with tnear > tfar and rays whose origin or direction is not finite hit nothing. A ray hits geometries whose mask
  * shares a bit with its own, at `time` in [0,1]. */
-struct CbvhRay
-{
+struct CbvhRay {
   vec3 origin;
   float tnear;
   vec3 direction;
@@ -26,13 +25,12 @@ struct CbvhRay
 };
 
 /* A ray with all bits of the mask, at time 0. */
-CbvhRay cbvhMakeRay (vec3 origin, float tnear, vec3 direction, float tfar) {
+CbvhRay cbvhMakeRay(vec3 origin, float tnear, vec3 direction, float tfar) {
   return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0);
 }
 
 /* A hit, as RTCHit, and its distance. In an instance, Ng is in the space of the instanced scene. */
-struct CbvhHit
-{
+struct CbvhHit {
   float t;
   float u, v;
   vec3 Ng;
@@ -42,41 +40,37 @@ struct CbvhHit
 const uint CBVH_INVALID_ID = 0xFFFFFFFFu;
 
 /* A ray in the space of the traversed scene or instance. */
-struct CbvhPreparedRay
-{
+struct CbvhPreparedRay {
   vec3 org, dir;
-  vec3 rcp;       // reciprocals of the direction, finite
-  float tnear;    // not negative
-  float tfar;     // end of the ray, independent of hits
-  float entryT;   // distance at which the ray enters the current leaf's bounds; hits may be slightly nearer
+  vec3 rcp;     // reciprocals of the direction, finite
+  float tnear;  // not negative
+  float tfar;   // end of the ray, independent of hits
+  float entryT; // distance at which the ray enters the current leaf's bounds; hits may be slightly nearer
   uint mask;
-  float time;     // cbvhFiniteTime of the ray's time
-  uint instID;    // instance that is being traversed, or CBVH_INVALID_ID
+  float time;         // cbvhFiniteTime of the ray's time
+  uint instID;        // instance that is being traversed, or CBVH_INVALID_ID
   uint firstGeometry; // index in SceneData::geometries of geometry 0 of the traversed scene
 };
 
 /* directionReciprocal of kernels/cvert/rule/reciprocal.h, but keeps the sign of zero. */
-float cbvhReciprocal (float d, float largest)
-{
-  float size = min(max(abs(d), max(1e-18*largest, 1.17549435e-38)), 4.25352959e37);
-  return 1.0/(floatBitsToUint(d) >> 31 != 0u ? -size : size);
+float cbvhReciprocal(float d, float largest) {
+  float size = min(max(abs(d), max(1e-18 * largest, 1.17549435e-38)), 4.25352959e37);
+  return 1.0 / (floatBitsToUint(d) >> 31 != 0u ? -size : size);
 }
 
-bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
-bool cbvhIsNumber (float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
+bool cbvhIsFinite(vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
+bool cbvhIsNumber(float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
 
 /* A ray's time, or a time before all motion if it is not finite. */
-float cbvhFiniteTime (float time) { return (floatBitsToUint(time) & 0x7F800000u) != 0x7F800000u ? time : -3.0e38; }
+float cbvhFiniteTime(float time) { return (floatBitsToUint(time) & 0x7F800000u) != 0x7F800000u ? time : -3.0e38; }
 
 /* False if the ray cannot hit anything. Tests bits, because shader compilers assume finite numbers. */
-bool cbvhMayHit (CbvhRay ray)
-{
+bool cbvhMayHit(CbvhRay ray) {
   return cbvhIsFinite(ray.origin) && cbvhIsFinite(ray.direction) && cbvhIsNumber(ray.tnear) && cbvhIsNumber(ray.tfar) &&
          ray.tnear <= ray.tfar && ray.tfar >= 0.0;
 }
 
-CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
-{
+CbvhPreparedRay cbvhPreparedRay(CbvhRay ray) {
   CbvhPreparedRay prepared;
   prepared.org = ray.origin;
   prepared.dir = ray.direction;
@@ -93,13 +87,11 @@ CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
 }
 
 /* True if the masks of the ray and the geometry share a bit. */
-bool cbvhIsVisible (SceneData scene, CbvhPreparedRay ray, uint geomID)
-{
+bool cbvhIsVisible(SceneData scene, CbvhPreparedRay ray, uint geomID) {
   return (CbvhGeometries(scene.geometries).at[ray.firstGeometry + geomID].mask & ray.mask) != 0u;
 }
 
-void cbvhSetHit (inout CbvhHit hit, CbvhPreparedRay ray, float t, float u, float v, vec3 Ng, uint primID, uint geomID)
-{
+void cbvhSetHit(inout CbvhHit hit, CbvhPreparedRay ray, float t, float u, float v, vec3 Ng, uint primID, uint geomID) {
   hit.t = t;
   hit.u = u;
   hit.v = v;

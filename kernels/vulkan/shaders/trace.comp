@@ -22,13 +22,13 @@ layout(constant_id = 1) const uint stackSize = 96u;
 
 layout(local_size_x = 64) in;
 
-layout(push_constant, scalar) uniform Arguments
-{
+layout(push_constant, scalar) uniform Arguments {
   uvec2 scene;
   uvec2 rays;
-  uvec2 order;     // address of pairs (key, index of a ray), or 0
+  uvec2 order;       // address of pairs (key, index of a ray), or 0
   uint first, count; // index of the first ray or pair, number of rays
-} arguments;
+}
+arguments;
 
 /* Layout of RTCRay and RTCRayHit, in words. */
 #ifdef CBVH_ANY_HIT
@@ -41,19 +41,18 @@ const uint tfarWord = 8u, hitWord = 12u;
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RaysIn { vec4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Rays { uint at[]; };
 
-void main ()
-{
+void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= arguments.count) return;
   i += arguments.first;
   if (arguments.order != uvec2(0u)) i = CbvhPairs(arguments.order).at[i].y;
-  uint word = stride*i;
+  uint word = stride * i;
   vec4 a = RaysIn(arguments.rays).at[word >> 2], b = RaysIn(arguments.rays).at[(word >> 2) + 1u],
        c = RaysIn(arguments.rays).at[(word >> 2) + 2u];
   CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y), b.w);
   Rays rays = Rays(arguments.rays);
 #ifdef CBVH_ANY_HIT
-  if (OCCLUDED(arguments.scene, ray)) rays.at[word + tfarWord] = floatBitsToUint(-1.0/0.0);
+  if (OCCLUDED(arguments.scene, ray)) rays.at[word + tfarWord] = floatBitsToUint(-1.0 / 0.0);
 #else
   CbvhHit hit;
   if (!INTERSECT(arguments.scene, ray, hit)) return;

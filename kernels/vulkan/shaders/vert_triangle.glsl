@@ -10,41 +10,37 @@
 #include "../../cvert/rule/rule.h"
 
 /* The shear that maps the ray's direction to axis kz, the axis of its largest component. */
-struct CbvhShear
-{
+struct CbvhShear {
   int kz;
   float sx, sy;
 };
 
 /* Rotates the components so that kz is last. */
-vec3 cbvhPermuteAxes (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
+vec3 cbvhPermuteAxes(int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
 
-CbvhShear cbvhShear (vec3 dir)
-{
+CbvhShear cbvhShear(vec3 dir) {
   vec3 a = abs(dir);
   CbvhShear shear;
   shear.kz = largestAxis(a.x, a.y, a.z);
   vec3 d = cbvhPermuteAxes(shear.kz, dir);
-  precise float sz = 1.0/d.z; // the same rounding for all kinds of blocks
-  precise vec2 slopes = d.xy*sz;
+  precise float sz = 1.0 / d.z; // the same rounding for all kinds of blocks
+  precise vec2 slopes = d.xy * sz;
   shear.sx = slopes.x;
   shear.sy = slopes.y;
   return shear;
 }
 
 /* Position of a vertex relative to the ray, perpendicular to axis kz. The ray passes through (0,0). */
-vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
-{
+vec2 cbvhSheared(CbvhShear shear, vec3 org, vec3 vertex) {
   precise vec3 r = cbvhPermuteAxes(shear.kz, vertex - org);
-  precise vec2 products = vec2(shear.sx*r.z, shear.sy*r.z);
+  precise vec2 products = vec2(shear.sx * r.z, shear.sy * r.z);
   precise vec2 at = r.xy - products;
   return at;
 }
 
-float cbvhEdgeSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
+float cbvhEdgeSide(vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
-WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
-{
+WideTriangle cbvhWideTriangle(vec3 a, vec3 b, vec3 c) {
   WideTriangle triangle;
   for (int k = 0; k < 3; k++) {
     triangle.at[k][0] = Wide(a[k]);
@@ -55,18 +51,16 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
 }
 
 /* The nearest hit in cVERT triangles. `key` orders hits at the same distance, see hasPrecedence. */
-struct CbvhVertNearest
-{
+struct CbvhVertNearest {
   bool isSet;
   uint instID;
   float t;
   TriangleKey key;
 };
 
-CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleKey(0u, 0u, 0u, 0u)); }
+CbvhVertNearest cbvhNoVertNearest() { return CbvhVertNearest(false, 0u, 0.0, TriangleKey(0u, 0u, 0u, 0u)); }
 
-struct CbvhVertHit
-{
+struct CbvhVertHit {
   float t;
   TriangleSides sides;
   vec3 Ng;
@@ -74,9 +68,8 @@ struct CbvhVertHit
 
 /* Returns true and sets `nearest` if the ray hits the triangle and the hit counts, see classifyHit. tfar: end of the
  * ray, or distance of its nearest hit of any kind. */
-bool cbvhIntersectTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey key, float tfar,
-                            inout CbvhVertNearest nearest, out CbvhVertHit at)
-{
+bool cbvhIntersectTriangle(CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey key, float tfar,
+                           inout CbvhVertNearest nearest, out CbvhVertHit at) {
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
   at.sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
   if (!haveExactSigns(at.sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
@@ -85,7 +78,10 @@ bool cbvhIntersectTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b
   WideNormal normal = normalOf(triangle);
   int kz = shear.kz;
   Wide org[3], dir[3];
-  for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
+  for (int k = 0; k < 3; k++) {
+    org[k] = Wide(ray.org[k]);
+    dir[k] = Wide(ray.dir[k]);
+  }
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide distance = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   bool isHitDistance = nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID;

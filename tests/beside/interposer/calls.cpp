@@ -22,18 +22,15 @@ namespace {
 
 /* --- stored hits ----------------------------------------------------------------------------- */
 
-struct Kept
-{
+struct Kept {
   unsigned geomID, primID, instID, instPrimID;
   float t, u, v;
   Vec Ng;
 };
 
-class Hits
-{
+class Hits {
 public:
-  explicit Hits(const char* path) : path(path)
-  {
+  explicit Hits(const char* path) : path(path) {
     if (FILE* const file = std::fopen(path, "rb")) {
       Kept kept;
       while (std::fread(&kept, sizeof(kept), 1, file) == 1) before.push_back(kept);
@@ -41,24 +38,22 @@ public:
     }
   }
 
-  void keep(const RTCRayHit& ray)
-  {
+  void keep(const RTCRayHit& ray) {
     Vec Ng = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
-    const float length = std::sqrt(Ng[0]*Ng[0] + Ng[1]*Ng[1] + Ng[2]*Ng[2]);
-    for (float& x : Ng) x = length > 0 ? x/length : 0;
+    const float length = std::sqrt(Ng[0] * Ng[0] + Ng[1] * Ng[1] + Ng[2] * Ng[2]);
+    for (float& x : Ng) x = length > 0 ? x / length : 0;
     const Kept kept = host::isHit(ray) ? Kept{ray.hit.geomID, ray.hit.primID, ray.hit.instID[0], ray.hit.instPrimID[0],
-                                              ray.ray.tfar, ray.hit.u, ray.hit.v, Ng}
+                                              ray.ray.tfar,   ray.hit.u,      ray.hit.v,         Ng}
                                        : Kept{ray.hit.geomID, 0, 0, 0, ray.ray.tfar, 0, 0, {0, 0, 0}};
     now.push_back(kept);
     if (!numbersMatter && host::isHit(ray)) now.back().geomID = 0;
   }
 
-  bool numbersMatter = true;   // compare IDs of geometries
+  bool numbersMatter = true; // compare IDs of geometries
 
   void begin(const char* use) { uses.push_back({use, now.size()}); }
 
-  void conclude()
-  {
+  void conclude() {
     if (before.empty()) {
       FILE* const file = std::fopen(path, "wb");
       CHECK(file && std::fwrite(now.data(), sizeof(Kept), now.size(), file) == now.size());
@@ -72,8 +67,7 @@ public:
   }
 
 private:
-  void compare(const char* use, size_t begin, size_t end)
-  {
+  void compare(const char* use, size_t begin, size_t end) {
     size_t others = 0, hits = 0, turned = 0;
     float distance = 0;
     for (size_t i = begin; i < end; i++) {
@@ -84,15 +78,15 @@ private:
       others += !isSame;
       if (!isSame || a.geomID == RTC_INVALID_GEOMETRY_ID || std::isinf(a.t)) continue;
       distance = std::max(distance, std::abs(a.t - b.t));
-      turned += a.Ng[0]*b.Ng[0] + a.Ng[1]*b.Ng[1] + a.Ng[2]*b.Ng[2] < 0.95f;
+      turned += a.Ng[0] * b.Ng[0] + a.Ng[1] * b.Ng[1] + a.Ng[2] * b.Ng[2] < 0.95f;
     }
     std::printf(
-      "%-14s %6zu rays, %6zu hits: %3zu with another surface, face or position, %zu with another normal; distances "
-      "differ by %g at most\n",
-      use, end - begin, hits, others, turned, double(distance));
+        "%-14s %6zu rays, %6zu hits: %3zu with another surface, face or position, %zu with another normal; distances "
+        "differ by %g at most\n",
+        use, end - begin, hits, others, turned, double(distance));
     CHECK(hits > 0);
-    CHECK(others*500 < hits);   // at silhouettes and between faces
-    CHECK(turned*500 < hits);
+    CHECK(others * 500 < hits); // at silhouettes and between faces
+    CHECK(turned * 500 < hits);
   }
 
   const char* const path;
@@ -102,17 +96,15 @@ private:
 
 /* --- features that applications use ---------------------------------------------------------- */
 
-struct Context
-{
+struct Context {
   RTCRayQueryContext context;
-  unsigned magic = 4711, numCalls = 0;   // the application's members after Embree's
+  unsigned magic = 4711, numCalls = 0; // the application's members after Embree's
 };
 
 int userData;
 
 /* Rejects hits on odd faces. */
-void refuseOdd(const RTCFilterFunctionNArguments* args)
-{
+void refuseOdd(const RTCFilterFunctionNArguments* args) {
   CHECK(args->geometryUserPtr == &userData);
   Context& context = *(Context*)args->context;
   CHECK(context.magic == 4711);
@@ -122,8 +114,7 @@ void refuseOdd(const RTCFilterFunctionNArguments* args)
 }
 
 /* Rejects hits on one side. */
-void refuseLeft(const RTCFilterFunctionNArguments* args)
-{
+void refuseLeft(const RTCFilterFunctionNArguments* args) {
   Context& context = *(Context*)args->context;
   CHECK(context.magic == 4711);
   context.numCalls++;
@@ -133,20 +124,18 @@ void refuseLeft(const RTCFilterFunctionNArguments* args)
 
 /* A user geometry whose intersection function is passed with the query: a square at z = 1.5. */
 char squareData;
-void boundSquare(const RTCBoundsFunctionArguments* args)
-{
+void boundSquare(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = {-0.3f, -0.3f, 1.5f, 0, 0.3f, 0.3f, 1.5f, 0};
 }
-void intersectSquare(const RTCIntersectFunctionNArguments* args)
-{
+void intersectSquare(const RTCIntersectFunctionNArguments* args) {
   CHECK(args->geometryUserPtr == &squareData);
   for (unsigned i = 0; i < args->N; i++) {
     RTCRayN* const ray = RTCRayHitN_RayN(args->rayhit, args->N);
     RTCHitN* const hit = RTCRayHitN_HitN(args->rayhit, args->N);
     if (!args->valid[i]) continue;
-    const float t = (1.5f - RTCRayN_org_z(ray, args->N, i))/RTCRayN_dir_z(ray, args->N, i);
-    const float x = RTCRayN_org_x(ray, args->N, i) + t*RTCRayN_dir_x(ray, args->N, i),
-                y = RTCRayN_org_y(ray, args->N, i) + t*RTCRayN_dir_y(ray, args->N, i);
+    const float t = (1.5f - RTCRayN_org_z(ray, args->N, i)) / RTCRayN_dir_z(ray, args->N, i);
+    const float x = RTCRayN_org_x(ray, args->N, i) + t * RTCRayN_dir_x(ray, args->N, i),
+                y = RTCRayN_org_y(ray, args->N, i) + t * RTCRayN_dir_y(ray, args->N, i);
     if (!(t > RTCRayN_tnear(ray, args->N, i) && t < RTCRayN_tfar(ray, args->N, i)) || std::abs(x) > 0.3f ||
         std::abs(y) > 0.3f)
       continue;
@@ -162,14 +151,12 @@ void intersectSquare(const RTCIntersectFunctionNArguments* args)
 }
 void occludedSquare(const RTCOccludedFunctionNArguments* args) { CHECK(args->geometryUserPtr == &squareData); }
 
-struct Queries
-{
+struct Queries {
   RTCIntersectArguments intersect;
   RTCOccludedArguments occluded;
   Context context;
 
-  Queries()
-  {
+  Queries() {
     rtcInitRayQueryContext(&context.context);
     rtcInitIntersectArguments(&intersect);
     rtcInitOccludedArguments(&occluded);
@@ -177,8 +164,7 @@ struct Queries
   }
 };
 
-class Program
-{
+class Program {
 public:
   Program(RTCDevice device, Hits& hits) : device(device), hits(hits) { rays = host::randomRays(random, 3000, false); }
 
@@ -187,10 +173,12 @@ public:
 private:
   template<unsigned N> void shootPackets(RTCScene scene, Queries& queries);
   void shoot(RTCScene scene, Queries& queries);
-  void shoot(RTCScene scene) { Queries queries; shoot(scene, queries); }
+  void shoot(RTCScene scene) {
+    Queries queries;
+    shoot(scene, queries);
+  }
   RTCGeometry newCube(float rate = 24) { return host::Cube().newInHost(device, rate); }
-  RTCScene newScene(RTCGeometry geometry, unsigned geomID = 0)
-  {
+  RTCScene newScene(RTCGeometry geometry, unsigned geomID = 0) {
     const RTCScene scene = rtcNewScene(device);
     rtcAttachGeometryByID(scene, geometry, geomID);
     rtcCommitScene(scene);
@@ -218,8 +206,7 @@ private:
 };
 
 template<unsigned N>
-void Program::shootPackets(RTCScene scene, Queries& queries)
-{
+void Program::shootPackets(RTCScene scene, Queries& queries) {
   typename host::Packet<N>::RayHits packet;
   typename host::Packet<N>::Rays shadows;
   alignas(64) int valid[N];
@@ -243,19 +230,24 @@ void Program::shootPackets(RTCScene scene, Queries& queries)
   for (unsigned i = 0; i < N; i++) {
     RTCRayHit one = rays[i];
     one.ray.tfar = packet.ray.tfar[i];
-    one.hit.geomID = packet.hit.geomID[i]; one.hit.primID = packet.hit.primID[i];
-    one.hit.instID[0] = packet.hit.instID[0][i]; one.hit.instPrimID[0] = packet.hit.instPrimID[0][i];
-    one.hit.u = packet.hit.u[i]; one.hit.v = packet.hit.v[i];
-    one.hit.Ng_x = packet.hit.Ng_x[i]; one.hit.Ng_y = packet.hit.Ng_y[i]; one.hit.Ng_z = packet.hit.Ng_z[i];
+    one.hit.geomID = packet.hit.geomID[i];
+    one.hit.primID = packet.hit.primID[i];
+    one.hit.instID[0] = packet.hit.instID[0][i];
+    one.hit.instPrimID[0] = packet.hit.instPrimID[0][i];
+    one.hit.u = packet.hit.u[i];
+    one.hit.v = packet.hit.v[i];
+    one.hit.Ng_x = packet.hit.Ng_x[i];
+    one.hit.Ng_y = packet.hit.Ng_y[i];
+    one.hit.Ng_z = packet.hit.Ng_z[i];
     hits.keep(one);
     one.hit.geomID = shadows.tfar[i] < 0 ? 1000 : RTC_INVALID_GEOMETRY_ID;
-    one.hit.primID = 0; one.hit.u = one.hit.v = 0;
+    one.hit.primID = 0;
+    one.hit.u = one.hit.v = 0;
     hits.keep(one);
   }
 }
 
-void Program::shoot(RTCScene scene, Queries& queries)
-{
+void Program::shoot(RTCScene scene, Queries& queries) {
   for (const RTCRayHit& ray : rays) {
     RTCRayHit one = ray;
     rtcIntersect1(scene, &one, &queries.intersect);
@@ -272,8 +264,7 @@ void Program::shoot(RTCScene scene, Queries& queries)
   shootPackets<16>(scene, queries);
 }
 
-void Program::plain()
-{
+void Program::plain() {
   const RTCGeometry geometry = newCube();
   rtcSetGeometryUserData(geometry, &userData);
   rtcCommitGeometry(geometry);
@@ -285,7 +276,7 @@ void Program::plain()
   CHECK(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) != nullptr);
   CHECK(rtcGetGeometryNextHalfEdge(geometry, 3) == 0);
   CHECK(rtcGetGeometryFace(geometry, 5) == 1);
-  rtcReleaseGeometry(geometry);   // the scene holds a reference
+  rtcReleaseGeometry(geometry); // the scene holds a reference
   float P[3] = {0, 0, 0};
   rtcInterpolate0(rtcGetGeometry(scene, 7), 1, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
   CHECK(P[2] > 0.3f && P[2] < 0.8f);
@@ -296,8 +287,7 @@ void Program::plain()
   rtcReleaseScene(scene);
 }
 
-void Program::filters()
-{
+void Program::filters() {
   const RTCGeometry geometry = newCube();
   rtcSetGeometryUserData(geometry, &userData);
   rtcSetGeometryIntersectFilterFunction(geometry, refuseOdd);
@@ -316,7 +306,7 @@ void Program::filters()
   both.intersect.filter = both.occluded.filter = neither.intersect.filter = neither.occluded.filter = refuseLeft;
   both.intersect.flags = both.occluded.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
   shoot(scene, both);
-  shoot(scene, neither);   // neither the query nor the geometry enables the filter
+  shoot(scene, neither); // neither the query nor the geometry enables the filter
 
   rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
   rtcSetGeometryOccludedFilterFunction(geometry, nullptr);
@@ -331,8 +321,7 @@ void Program::filters()
   rtcReleaseScene(scene);
 }
 
-void Program::userGeometry()
-{
+void Program::userGeometry() {
   const RTCGeometry geometry = newCube(), square = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(square, 1);
   rtcSetGeometryUserData(square, &squareData);
@@ -348,13 +337,13 @@ void Program::userGeometry()
   RTCPointQueryContext pointContext;
   rtcInitPointQueryContext(&pointContext);
   rtcPointQuery(
-    scene, &point, &pointContext,
-    [](RTCPointQueryFunctionArguments* args) {
-      ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID);
-      return false;
-    },
-    &near);
-  CHECK(near == std::vector<unsigned>{0});   // Embree does not call the function for subdivision surfaces
+      scene, &point, &pointContext,
+      [](RTCPointQueryFunctionArguments* args) {
+        ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID);
+        return false;
+      },
+      &near);
+  CHECK(near == std::vector<unsigned>{0}); // Embree does not call the function for subdivision surfaces
   Queries queries;
   queries.intersect.intersect = intersectSquare;
   queries.occluded.occluded = occludedSquare;
@@ -364,8 +353,7 @@ void Program::userGeometry()
   rtcReleaseScene(scene);
 }
 
-void Program::masks()
-{
+void Program::masks() {
   const RTCGeometry geometry = newCube();
   rtcSetGeometryMask(geometry, 6);
   rtcCommitGeometry(geometry);
@@ -382,8 +370,7 @@ void Program::masks()
   rtcReleaseGeometry(geometry);
 }
 
-void Program::instances()
-{
+void Program::instances() {
   const RTCGeometry geometry = newCube(), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE),
                     array = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE_ARRAY);
   const RTCScene inner = newScene(geometry, 2), outer = rtcNewScene(device);
@@ -394,12 +381,12 @@ void Program::instances()
   rtcSetGeometryMask(instance, ~0u);
   rtcCommitGeometry(instance);
   rtcSetGeometryInstancedScene(array, inner);
-  float* const places = (float*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0,
-                                                        RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, 48, 2);
+  float* const places =
+      (float*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, 48, 2);
   for (int i = 0; i < 24; i++) places[i] = place[i % 12] - (i % 12 == 9 ? 0.9f : 0) + (i == 22 ? 0.8f : 0);
   rtcSetGeometryMask(array, ~0u);
   rtcCommitGeometry(array);
-  rtcReleaseScene(inner);   // the instances hold references
+  rtcReleaseScene(inner); // the instances hold references
   rtcAttachGeometry(outer, instance);
   rtcAttachGeometry(outer, array);
   rtcReleaseGeometry(instance);
@@ -409,11 +396,10 @@ void Program::instances()
   rtcReleaseScene(outer);
 }
 
-void Program::edits()
-{
+void Program::edits() {
   const RTCGeometry geometry = newCube();
   const RTCScene scene = newScene(geometry, 3), other = newScene(geometry, 5);
-  rtcAttachGeometryByID(scene, geometry, 9);   // attached a second time
+  rtcAttachGeometryByID(scene, geometry, 9); // attached a second time
   rtcCommitScene(scene);
   hits.numbersMatter = false;
   shoot(scene);
@@ -441,7 +427,7 @@ void Program::edits()
   unsigned* const indices = (unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
   CHECK(indices[4] == 4);
   unsigned* const faces = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 5);
-  for (int i = 0; i < 5; i++) faces[i] = 4;   // one side is open
+  for (int i = 0; i < 5; i++) faces[i] = 4; // one side is open
   for (const RTCSubdivisionMode mode :
        {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_NO_BOUNDARY}) {
     rtcSetGeometrySubdivisionMode(geometry, 0, mode);
@@ -457,8 +443,7 @@ void Program::edits()
   rtcReleaseScene(other);
 }
 
-void Program::motion()
-{
+void Program::motion() {
   const host::Cube cube;
   const RTCGeometry geometry = newCube(11); // 726 quads, which interposer.sh finds in the log
   rtcSetGeometryTimeStepCount(geometry, 2);
@@ -477,11 +462,10 @@ void Program::motion()
 }
 
 /* Embree keeps the previous values if it rejects a call. */
-void Program::rejections()
-{
+void Program::rejections() {
   const RTCGeometry geometry = newCube();
-  const RTCBuffer buffer = rtcNewBuffer(device, 8*12 + 4);
-  std::memcpy(rtcGetBufferData(buffer), host::Cube().vertices[0].data(), 8*12);
+  const RTCBuffer buffer = rtcNewBuffer(device, 8 * 12 + 4);
+  std::memcpy(rtcGetBufferData(buffer), host::Cube().vertices[0].data(), 8 * 12);
   rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, 0, 12, 8);
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcCommitGeometry(geometry);
@@ -490,8 +474,7 @@ void Program::rejections()
 
   const std::pair<size_t, size_t> ranges[] = {{1 << 20, 8}, {0, 1 << 20}}; // offset and count, past the end
   for (const auto& range : ranges) {
-    rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, range.first, 12,
-                         range.second);
+    rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, range.first, 12, range.second);
     CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
@@ -509,8 +492,7 @@ void Program::rejections()
   rtcReleaseScene(scene);
 }
 
-void Program::cancelling()
-{
+void Program::cancelling() {
   const RTCGeometry geometry = newCube(200);
   const RTCScene scene = rtcNewScene(device);
   rtcAttachGeometry(scene, geometry);
@@ -524,17 +506,19 @@ void Program::cancelling()
   shoot(scene);
 
   /* If a commit of several threads is canceled, waiting threads do not start again. */
-  struct Joined
-  {
+  struct Joined {
     std::atomic<int> waiting{0}, calls{0}, canceled{0};
   } joined;
-  rtcSetSceneProgressMonitorFunction(scene, [](void* ptr, double) {
-    Joined& joined = *(Joined*)ptr;
-    if (joined.calls++ > 0) return true;
-    while (joined.waiting < 4) std::this_thread::yield();
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    return false;
-  }, &joined);
+  rtcSetSceneProgressMonitorFunction(
+      scene,
+      [](void* ptr, double) {
+        Joined& joined = *(Joined*)ptr;
+        if (joined.calls++ > 0) return true;
+        while (joined.waiting < 4) std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        return false;
+      },
+      &joined);
   rtcCommitGeometry(geometry);
   std::vector<std::thread> all;
   for (int k = 0; k < 4; k++)
@@ -557,20 +541,19 @@ void Program::cancelling()
 }
 
 /* A sheet of 200 x 200 quads as a grid, quads and triangles, which the interposer compresses on request. */
-void Program::meshes()
-{
+void Program::meshes() {
   const unsigned size = 200, width = size + 1;
   std::vector<Vec> vertices;
   for (unsigned y = 0; y < width; y++)
     for (unsigned x = 0; x < width; x++) {
-      const float s = 2*float(x)/float(size) - 1, t = 2*float(y)/float(size) - 1;
-      vertices.push_back({s, t, 0.2f*std::sin(5*s)*std::cos(4*t)});
+      const float s = 2 * float(x) / float(size) - 1, t = 2 * float(y) / float(size) - 1;
+      vertices.push_back({s, t, 0.2f * std::sin(5 * s) * std::cos(4 * t)});
     }
   vertices.push_back({0, 0, 0}); // padding after the last vertex, which may be read
   for (const RTCGeometryType type : {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE}) {
     const RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12,
-                               width*width);
+                               width * width);
     if (type == RTC_GEOMETRY_TYPE_GRID)
       *(RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid),
                                          1) = {0, width, width, width};
@@ -578,10 +561,10 @@ void Program::meshes()
       const bool isQuad = type == RTC_GEOMETRY_TYPE_QUAD;
       unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
                                                              isQuad ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
-                                                             isQuad ? 16 : 12, (isQuad ? 1 : 2)*size*size);
+                                                             isQuad ? 16 : 12, (isQuad ? 1 : 2) * size * size);
       for (unsigned y = 0; y < size; y++)
         for (unsigned x = 0; x < size; x++) {
-          const unsigned a = y*width + x, quad[4] = {a, a + 1, a + width + 1, a + width},
+          const unsigned a = y * width + x, quad[4] = {a, a + 1, a + width + 1, a + width},
                          triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
           for (unsigned i = 0; i < (isQuad ? 4u : 6u); i++) *indices++ = isQuad ? quad[i] : triangles[i];
         }
@@ -597,8 +580,7 @@ void Program::meshes()
 }
 
 /* All memory is freed, independently of the order of releases. */
-void Program::releases()
-{
+void Program::releases() {
   const auto peak = [] {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -616,7 +598,11 @@ void Program::releases()
     rtcRetainGeometry(geometry);
     rtcRetainScene(inner);
     rtcReleaseGeometry(geometry);
-    if (i % 2) { rtcReleaseScene(inner); rtcReleaseScene(inner); rtcReleaseGeometry(geometry); }
+    if (i % 2) {
+      rtcReleaseScene(inner);
+      rtcReleaseScene(inner);
+      rtcReleaseGeometry(geometry);
+    }
     if (i % 3 == 0) rtcDetachGeometry(outer, 0);
     rtcReleaseGeometry(instance);
     rtcReleaseScene(outer);
@@ -627,11 +613,10 @@ void Program::releases()
       rtcReleaseScene(inner);
     }
   }
-  CHECK(peak() - before < 16 << 10);   // KiB: a third of the memory of three hundred objects
+  CHECK(peak() - before < 16 << 10); // KiB: a third of the memory of three hundred objects
 }
 
-void Program::threads()
-{
+void Program::threads() {
   std::vector<std::thread> all;
   std::vector<RTCScene> scenes(4);
   const RTCGeometry shared = newCube();
@@ -666,8 +651,7 @@ void Program::threads()
 }
 
 /* References to a device, also from scenes. Geometry is compressed until the last one is released. */
-void Program::devices()
-{
+void Program::devices() {
   const RTCDevice own = rtcNewDevice("threads=1");
   rtcRetainDevice(own);
   rtcReleaseDevice(own);
@@ -685,13 +669,12 @@ void Program::devices()
   rtcReleaseScene(scene);
 }
 
-void Program::run()
-{
+void Program::run() {
   const std::pair<const char*, void (Program::*)()> uses[] = {
-    {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry},
-    {"masks", &Program::masks}, {"instances", &Program::instances}, {"edits", &Program::edits},
-    {"motion", &Program::motion}, {"rejections", &Program::rejections}, {"meshes", &Program::meshes},
-    {"threads", &Program::threads}, {"cancelling", &Program::cancelling}, {"devices", &Program::devices}};
+      {"plain", &Program::plain},     {"filters", &Program::filters},       {"user geometry", &Program::userGeometry},
+      {"masks", &Program::masks},     {"instances", &Program::instances},   {"edits", &Program::edits},
+      {"motion", &Program::motion},   {"rejections", &Program::rejections}, {"meshes", &Program::meshes},
+      {"threads", &Program::threads}, {"cancelling", &Program::cancelling}, {"devices", &Program::devices}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);
@@ -702,8 +685,7 @@ void Program::run()
 
 } // namespace
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 2) return 2;
   Hits hits(argv[1]);
   const RTCDevice device = rtcNewDevice("threads=2");

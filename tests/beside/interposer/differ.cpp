@@ -9,31 +9,27 @@
 #include <cstdlib>
 #include <vector>
 
-struct Picture
-{
+struct Picture {
   int width = 0, height = 0;
   std::vector<unsigned char> values;
 
-  explicit Picture(const char* path)
-  {
+  explicit Picture(const char* path) {
     FILE* const file = std::fopen(path, "rb");
     if (!file || std::fscanf(file, "P6 %d %d 255", &width, &height) != 2 || width <= 0 || height <= 0) fail(path);
     std::fgetc(file);
-    values.resize(3*size_t(width)*size_t(height));
+    values.resize(3 * size_t(width) * size_t(height));
     if (std::fread(values.data(), 1, values.size(), file) != values.size()) fail(path);
     std::fclose(file);
   }
 
 private:
-  [[noreturn]] static void fail(const char* path)
-  {
+  [[noreturn]] static void fail(const char* path) {
     std::fprintf(stderr, "%s: expected a PPM picture\n", path);
     std::exit(2);
   }
 };
 
-int main(int argc, char** argv)
-{
+int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const Picture a(argv[1]), b(argv[2]);
   if (a.width != b.width || a.height != b.height) return 2;
@@ -47,6 +43,6 @@ int main(int argc, char** argv)
     differing += most > 0;
     much += most > 8;
   }
-  std::printf("%zu of %zu, %zu\n", differing, a.values.size()/3, much);
-  return much*1000 <= a.values.size()/3 && lit > 0 ? 0 : 1;
+  std::printf("%zu of %zu, %zu\n", differing, a.values.size() / 3, much);
+  return much * 1000 <= a.values.size() / 3 && lit > 0 ? 0 : 1;
 }

@@ -8,13 +8,11 @@
 
 namespace {
 
-struct Early
-{
+struct Early {
   RTCDevice device = rtcNewDevice("threads=1");
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
 
-  ~Early()
-  {
+  ~Early() {
     rtcReleaseGeometry(geometry);
     rtcReleaseDevice(device);
   }

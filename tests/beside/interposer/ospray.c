@@ -13,15 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void tell(void* user, OSPError error, const char* text)
-{
+static void tell(void* user, OSPError error, const char* text) {
   (void)user;
   fprintf(stderr, "OSPRay: error %d: %s\n", (int)error, text);
   exit(2);
 }
 
-static void setData(OSPObject object, const char* name, const void* data, OSPDataType type, uint64_t count)
-{
+static void setData(OSPObject object, const char* name, const void* data, OSPDataType type, uint64_t count) {
   OSPData shared = ospNewSharedData(data, type, count, 0, 1, 0, 1, 0, NULL, NULL);
   OSPData copy = ospNewData(type, count, 1, 1);
   ospCopyData(shared, copy, 0, 0, 0);
@@ -31,8 +29,7 @@ static void setData(OSPObject object, const char* name, const void* data, OSPDat
   ospRelease(copy);
 }
 
-static OSPLight light(const char* type, float intensity, float x, float y, float z)
-{
+static OSPLight light(const char* type, float intensity, float x, float y, float z) {
   const float direction[3] = {x, y, z};
   OSPLight made = ospNewLight(type);
   ospSetFloat(made, "intensity", intensity);
@@ -41,10 +38,9 @@ static OSPLight light(const char* type, float intensity, float x, float y, float
   return made;
 }
 
-static OSPGeometry cube(float level, const char* with)
-{
+static OSPGeometry cube(float level, const char* with) {
   float vertices[8][3], colors[24][4], texcoords[8][2], levels[24];
-  const uint32_t indices[24] = {0,1,3,2, 4,6,7,5, 0,4,5,1, 2,3,7,6, 0,2,6,4, 1,5,7,3};
+  const uint32_t indices[24] = {0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3};
   const uint32_t faces[6] = {4, 4, 4, 4, 4, 4}, creases[4] = {0, 1, 1, 3};
   const float sharpness[2] = {3.5f, 3.5f};
   OSPGeometry geometry = ospNewGeometry("subdivision");
@@ -74,8 +70,7 @@ static OSPGeometry cube(float level, const char* with)
 }
 
 /* A board of 2 x 2 squares for texture coordinates. */
-static OSPTexture board(void)
-{
+static OSPTexture board(void) {
   const uint8_t texels[12] = {230, 60, 40, 240, 240, 240, 240, 240, 240, 30, 80, 200};
   OSPTexture texture = ospNewTexture("texture2d");
   ospSetUInt(texture, "format", OSP_TEXTURE_RGB8);
@@ -91,16 +86,14 @@ static OSPTexture board(void)
   return texture;
 }
 
-static OSPGeometricModel model(OSPGeometry geometry, OSPMaterial material)
-{
+static OSPGeometricModel model(OSPGeometry geometry, OSPMaterial material) {
   OSPGeometricModel made = ospNewGeometricModel(geometry);
   ospSetObject(made, "material", material);
   ospCommit(made);
   return made;
 }
 
-int main(int argc, const char** argv)
-{
+int main(int argc, const char** argv) {
   const int width = 640, height = 480;
   const float position[3] = {2.2f, 1.9f, 3}, direction[3] = {-2.2f, -1.9f, -3}, up[3] = {0, 1, 0},
               background[4] = {0.2f, 0.25f, 0.3f, 1};
@@ -121,7 +114,7 @@ int main(int argc, const char** argv)
   OSPGeometry geometry = cube((float)atof(argv[2]), with);
   OSPGeometricModel models[2] = {model(geometry, material)};
   int numModels = 1;
-  if (strcmp(with, "boxes") == 0) {   /* user geometry inside OSPRay */
+  if (strcmp(with, "boxes") == 0) { /* user geometry inside OSPRay */
     const float box[6] = {-0.9f, 0.3f, -0.9f, 0.9f, 0.9f, 0.9f};
     OSPGeometry boxes = ospNewGeometry("box");
     setData(boxes, "box", box, OSP_BOX3F, 1);
@@ -150,7 +143,7 @@ int main(int argc, const char** argv)
   ospCommit(world);
 
   OSPCamera camera = ospNewCamera("perspective");
-  ospSetFloat(camera, "aspect", (float)width/(float)height);
+  ospSetFloat(camera, "aspect", (float)width / (float)height);
   ospSetFloat(camera, "fovy", 32);
   ospSetParam(camera, "position", OSP_VEC3F, position);
   ospSetParam(camera, "direction", OSP_VEC3F, direction);
@@ -175,8 +168,8 @@ int main(int argc, const char** argv)
   if (!file || !pixels) return 2;
   fprintf(file, "P6\n%d %d\n255\n", width, height);
   for (int y = height; y-- > 0;)
-    for (int x = 0; x < width; x++) n += fwrite(pixels + 4*(y*width + x), 3, 1, file) == 1;
-  if (fclose(file) != 0 || n != width*height) return 2;
+    for (int x = 0; x < width; x++) n += fwrite(pixels + 4 * (y * width + x), 3, 1, file) == 1;
+  if (fclose(file) != 0 || n != width * height) return 2;
   ospUnmapFrameBuffer(pixels, frame);
 
   ospRelease(future);

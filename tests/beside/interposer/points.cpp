@@ -16,48 +16,43 @@ namespace {
 constexpr unsigned none = RTC_INVALID_GEOMETRY_ID;
 
 /* A call of the query's function. */
-struct Call
-{
+struct Call {
   unsigned instID, instPrimID, geomID;
 
-  bool operator<(const Call& b) const
-  {
-    return instID != b.instID ? instID < b.instID
-      : instPrimID != b.instPrimID ? instPrimID < b.instPrimID : geomID < b.geomID;
+  bool operator<(const Call& b) const {
+    return instID != b.instID           ? instID < b.instID
+           : instPrimID != b.instPrimID ? instPrimID < b.instPrimID
+                                        : geomID < b.geomID;
   }
 };
 typedef std::set<Call> Calls;
 
-bool keep(RTCPointQueryFunctionArguments* args)
-{
+bool keep(RTCPointQueryFunctionArguments* args) {
   const RTCPointQueryContext& context = *args->context;
   const bool isInstanced = context.instStackSize > 0;
-  ((Calls*)args->userPtr)->insert(
-    {isInstanced ? context.instID[0] : none, isInstanced ? context.instPrimID[0] : none, args->geomID});
+  ((Calls*)args->userPtr)
+      ->insert({isInstanced ? context.instID[0] : none, isInstanced ? context.instPrimID[0] : none, args->geomID});
   return false;
 }
 
-std::string textOf(const Calls& calls)
-{
+std::string textOf(const Calls& calls) {
   std::string text;
   for (const Call& call : calls)
     text += " (instance " + std::to_string(int(call.instID)) + ", " + std::to_string(int(call.instPrimID)) +
-      ": geometry " + std::to_string(int(call.geomID)) + ")";
+            ": geometry " + std::to_string(int(call.geomID)) + ")";
   return text.empty() ? " no calls" : text;
 }
 
-constexpr unsigned arrayID = 3;   // of an array in its scene
+constexpr unsigned arrayID = 3; // of an array in its scene
 
 /* Both scenes contain a subdivision surface and a mesh, with the IDs 0 and 1 in `surfaceFirst`, and 1 and 0 in
  * `meshFirst`. Embree calls the function for the mesh only. */
 constexpr unsigned meshOfSurfaceFirst = 1, meshOfMeshFirst = 0;
 
-class Test
-{
+class Test {
 public:
   explicit Test(RTCDevice device) : device(device), surfaceFirst(newScene(1)), meshFirst(newScene(0)) {}
-  ~Test()
-  {
+  ~Test() {
     rtcReleaseScene(surfaceFirst);
     rtcReleaseScene(meshFirst);
   }
@@ -84,8 +79,7 @@ private:
   const RTCScene surfaceFirst, meshFirst;
 };
 
-RTCScene Test::newScene(unsigned meshID)
-{
+RTCScene Test::newScene(unsigned meshID) {
   const RTCScene scene = rtcNewScene(device);
   const RTCGeometry cube = host::Cube().newInHost(device, 4), mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   float* const vertices = (float*)rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3);
@@ -102,15 +96,14 @@ RTCScene Test::newScene(unsigned meshID)
 }
 
 /* Sets the transformations of an array: instance i is at x = 10 i. */
-void place(RTCGeometry array, unsigned numInstances)
-{
+void place(RTCGeometry array, unsigned numInstances) {
   float* const places = (float*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0,
                                                         RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, 48, numInstances);
-  for (unsigned i = 0; i < 12*numInstances; i++) places[i] = i % 12 == 9 ? 10*float(i/12) : i % 12 % 4 == 0 ? 1 : 0;
+  for (unsigned i = 0; i < 12 * numInstances; i++)
+    places[i] = i % 12 == 9 ? 10 * float(i / 12) : i % 12 % 4 == 0 ? 1 : 0;
 }
 
-RTCGeometry Test::newArray(unsigned numInstances)
-{
+RTCGeometry Test::newArray(unsigned numInstances) {
   const RTCGeometry array = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE_ARRAY);
   place(array, numInstances);
   return array;
@@ -118,8 +111,7 @@ RTCGeometry Test::newArray(unsigned numInstances)
 
 /* Runs point queries at the instances of an array in a new scene. geomIDs: for each instance, the ID of the geometry
  * for which Embree calls the function, or `none`. */
-void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigned>& geomIDs)
-{
+void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigned>& geomIDs) {
   rtcCommitGeometry(array);
   const RTCScene scene = rtcNewScene(device);
   rtcAttachGeometryByID(scene, array, arrayID);
@@ -134,10 +126,13 @@ void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigne
   void* userPtrs[4] = {&packetCalls, &packetCalls, &packetCalls, &packetCalls};
   for (unsigned i = 0; i < geomIDs.size(); i++) {
     if (geomIDs[i] != none) expected.insert({arrayID, i, geomIDs[i]});
-    RTCPointQuery query = {10*float(i), 0, 0, 0, 2};
+    RTCPointQuery query = {10 * float(i), 0, 0, 0, 2};
     rtcPointQuery(scene, &query, &context, keep, &calls);
-    packet.x[i] = query.x; packet.y[i] = query.y; packet.z[i] = query.z;
-    packet.time[i] = query.time; packet.radius[i] = query.radius;
+    packet.x[i] = query.x;
+    packet.y[i] = query.y;
+    packet.z[i] = query.z;
+    packet.time[i] = query.time;
+    packet.radius[i] = query.radius;
     valid[i] = -1;
   }
   rtcPointQuery4(valid, scene, &packet, &context, keep, userPtrs);
@@ -150,12 +145,10 @@ void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigne
 }
 
 /* The index buffer in all ways to set it, and its edits. */
-void Test::indices()
-{
+void Test::indices() {
   const RTCGeometry array = newArray(4);
   setScenes(array, {surfaceFirst, meshFirst});
-  unsigned* const own =
-    (unsigned*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4);
+  unsigned* const own = (unsigned*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4);
   const unsigned first[4] = {0, 1, 1, 0}, second[4] = {1, 0, 0, 1};
   std::copy(first, first + 4, own);
   const std::vector<unsigned> ofFirst = {meshOfSurfaceFirst, meshOfMeshFirst, meshOfMeshFirst, meshOfSurfaceFirst},
@@ -165,12 +158,12 @@ void Test::indices()
   rtcUpdateGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0);
   expect("an edited buffer of the array", array, ofSecond);
 
-  unsigned shared[2 + 3*4];
+  unsigned shared[2 + 3 * 4];
   for (unsigned& index : shared) index = 1000;
-  for (unsigned i = 0; i < 4; i++) shared[2 + 3*i] = first[i];
+  for (unsigned i = 0; i < 4; i++) shared[2 + 3 * i] = first[i];
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, shared, 8, 12, 4);
   expect("a shared buffer", array, ofFirst);
-  for (unsigned i = 0; i < 4; i++) shared[2 + 3*i] = second[i];
+  for (unsigned i = 0; i < 4; i++) shared[2 + 3 * i] = second[i];
   rtcUpdateGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0);
   expect("an edited shared buffer", array, ofSecond);
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, &second[1], 0, 0, 4);
@@ -185,11 +178,11 @@ void Test::indices()
   expect("a shared buffer pair", array, ofSecond);
 #endif
 
-  const RTCBuffer buffer = rtcNewBuffer(device, 16 + 8*4);
+  const RTCBuffer buffer = rtcNewBuffer(device, 16 + 8 * 4);
   unsigned* const data = (unsigned*)rtcGetBufferData(buffer) + 4;
-  for (unsigned i = 0; i < 4; i++) data[2*i] = first[i], data[2*i + 1] = 1000;
+  for (unsigned i = 0; i < 4; i++) data[2 * i] = first[i], data[2 * i + 1] = 1000;
   rtcSetGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, buffer, 16, 8, 4);
-  rtcReleaseBuffer(buffer);   // the array holds a reference
+  rtcReleaseBuffer(buffer); // the array holds a reference
   expect("a buffer object", array, ofFirst);
   data[2] = none;
   expect("an instance without scene", array, {meshOfSurfaceFirst, none, meshOfMeshFirst, meshOfSurfaceFirst});
@@ -197,8 +190,7 @@ void Test::indices()
 }
 
 /* The array's scenes, and their edits. */
-void Test::scenes()
-{
+void Test::scenes() {
   const RTCGeometry array = newArray(3);
   const unsigned indices[3] = {2, 0, 1};
   rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices, 0, 4, 3);
@@ -218,8 +210,7 @@ void Test::scenes()
 }
 
 /* Calls that Embree rejects change nothing. */
-void Test::rejectedCalls()
-{
+void Test::rejectedCalls() {
   const RTCGeometry array = newArray(2), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   const unsigned indices[4] = {0, 1, 0, 0};
   const std::vector<unsigned> geomIDs = {meshOfSurfaceFirst, meshOfMeshFirst};
@@ -257,8 +248,7 @@ void Test::rejectedCalls()
 }
 
 /* Embree 4.3 and 4.4 give a single instance the first scene, whatever its index, and keep that scene. */
-void Test::singleInstance()
-{
+void Test::singleInstance() {
   const RTCGeometry array = newArray(1);
   const unsigned indices[2] = {1, 0};
   setScenes(array, {surfaceFirst, meshFirst});
@@ -271,8 +261,7 @@ void Test::singleInstance()
 }
 
 /* An array holds references to its scenes, also to the scene that it keeps when it gets others. */
-void Test::releases()
-{
+void Test::releases() {
   for (const bool isSingle : {false, true}) {
     const RTCGeometry array = newArray(isSingle ? 1 : 2);
     const unsigned indices[2] = {0, 1};
@@ -281,27 +270,24 @@ void Test::releases()
     if (isSingle) {
       setScenes(array, {first});
       rtcCommitGeometry(array);
-    }
-    else rtcSetGeometryInstancedScene(array, first);
+    } else rtcSetGeometryInstancedScene(array, first);
     setScenes(array, {second, second});
     rtcReleaseScene(second);
     rtcReleaseScene(first);
-    expect("scenes that the program released", array,
-      std::vector<unsigned>(isSingle ? 1 : 2, meshOfSurfaceFirst));
+    expect("scenes that the program released", array, std::vector<unsigned>(isSingle ? 1 : 2, meshOfSurfaceFirst));
     const RTCScene outer = rtcNewScene(device);
     rtcAttachGeometry(outer, array);
     rtcCommitScene(outer);
     RTCRayHit ray = host::makeRay({0.1f, 0.1f, 5}, {0, 0, -1});
     host::intersect(outer, ray);
-    CHECK(ray.hit.geomID == 0 && ray.hit.instID[0] == 0);   // the subdivision surface
+    CHECK(ray.hit.geomID == 0 && ray.hit.instID[0] == 0); // the subdivision surface
     rtcReleaseScene(outer);
     rtcReleaseGeometry(array);
   }
 }
 
 /* The program enters an instance itself: it puts the instance on the stack and queries the inner scene. */
-void Test::ownInstances()
-{
+void Test::ownInstances() {
   for (const auto& inner : {std::make_pair(surfaceFirst, meshOfSurfaceFirst), {meshFirst, meshOfMeshFirst}})
     for (const unsigned instID : {0u, 1u, 7u}) {
       RTCPointQueryContext context;
@@ -321,16 +307,14 @@ void Test::ownInstances()
     }
 }
 
-void Test::queryWithoutFunction()
-{
+void Test::queryWithoutFunction() {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   RTCPointQuery query = {0, 0, 0, 0, 2};
   rtcPointQuery(surfaceFirst, &query, &context, nullptr, nullptr);
 }
 
-void Test::run()
-{
+void Test::run() {
   indices();
   scenes();
   rejectedCalls();
@@ -341,8 +325,7 @@ void Test::run()
 
 } // namespace
 
-int main(int argc, char**)
-{
+int main(int argc, char**) {
   const RTCDevice device = rtcNewDevice("threads=2");
   if (argc > 1) Test(device).queryWithoutFunction();
   else Test(device).run();

@@ -14,28 +14,25 @@
 #include <stdlib.h>
 
 /* Python loads Embree as a dependency of a module, where RTLD_NEXT does not find it. */
-static void *find(const char *name)
-{
+static void* find(const char* name) {
   void *embree = dlopen("libembree3.so.3", RTLD_NOW | RTLD_NOLOAD), *found = embree ? dlsym(embree, name) : NULL;
   if (found) return found;
   fprintf(stderr, "open3d_masks: %s is not in a loaded libembree3.so.3\n", name);
   exit(1);
 }
 
-void rtcIntersect1M(RTCScene scene, struct RTCIntersectContext *context, struct RTCRayHit *rays, unsigned int count,
-                    size_t stride)
-{
-  void (*trace)(RTCScene, struct RTCIntersectContext *, struct RTCRayHit *, unsigned int, size_t);
-  *(void **)&trace = find("rtcIntersect1M");
-  for (unsigned int i = 0; i < count; i++) ((struct RTCRayHit *)((char *)rays + i*stride))->ray.mask = ~0u;
+void rtcIntersect1M(RTCScene scene, struct RTCIntersectContext* context, struct RTCRayHit* rays, unsigned int count,
+                    size_t stride) {
+  void (*trace)(RTCScene, struct RTCIntersectContext*, struct RTCRayHit*, unsigned int, size_t);
+  *(void**)&trace = find("rtcIntersect1M");
+  for (unsigned int i = 0; i < count; i++) ((struct RTCRayHit*)((char*)rays + i * stride))->ray.mask = ~0u;
   trace(scene, context, rays, count, stride);
 }
 
-void rtcOccluded1M(RTCScene scene, struct RTCIntersectContext *context, struct RTCRay *rays, unsigned int count,
-                   size_t stride)
-{
-  void (*trace)(RTCScene, struct RTCIntersectContext *, struct RTCRay *, unsigned int, size_t);
-  *(void **)&trace = find("rtcOccluded1M");
-  for (unsigned int i = 0; i < count; i++) ((struct RTCRay *)((char *)rays + i*stride))->mask = ~0u;
+void rtcOccluded1M(RTCScene scene, struct RTCIntersectContext* context, struct RTCRay* rays, unsigned int count,
+                   size_t stride) {
+  void (*trace)(RTCScene, struct RTCIntersectContext*, struct RTCRay*, unsigned int, size_t);
+  *(void**)&trace = find("rtcOccluded1M");
+  for (unsigned int i = 0; i < count; i++) ((struct RTCRay*)((char*)rays + i * stride))->mask = ~0u;
   trace(scene, context, rays, count, stride);
 }

@@ -61,16 +61,14 @@ CBVH_BEGIN
 CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 
 /*! State of a ray's walk through a block. */
-struct WalkState
-{
+struct WalkState {
   uint32_t side;    //!< on which it left the last leaf, or passed the last box
   bool pending;     //!< it was near the patch of the last leaf, and has not changed its side since
   bool fromSurface; //!< it starts in a leaf, within half a thickness of the patch
   bool found;       //!< a hit was accepted
 };
 
-CVERT_FUNCTION WalkState startOfWalk ()
-{
+CVERT_FUNCTION WalkState startOfWalk() {
   WalkState state;
   state.side = sideUnknown;
   state.pending = state.fromSurface = state.found = false;
@@ -78,37 +76,34 @@ CVERT_FUNCTION WalkState startOfWalk ()
 }
 
 /*! How a ray crosses a leaf. */
-struct LeafEvent
-{
-  uint32_t enter;   //!< side where it enters the box
-  uint32_t leave;   //!< side where it leaves the box
-  bool changes;     //!< f has different signs at entry and exit
-  bool nearEntry;   //!< within half a thickness of the patch at the entry
-  bool near;        //!< possibly within half a thickness between entry and exit
-  bool started;     //!< the segment starts inside the box
-  bool ended;       //!< the segment ends inside the box
-  bool solid;       //!< the leaf's box is its surface
-  bool empty;       //!< the leaf has no surface
+struct LeafEvent {
+  uint32_t enter; //!< side where it enters the box
+  uint32_t leave; //!< side where it leaves the box
+  bool changes;   //!< f has different signs at entry and exit
+  bool nearEntry; //!< within half a thickness of the patch at the entry
+  bool near;      //!< possibly within half a thickness between entry and exit
+  bool started;   //!< the segment starts inside the box
+  bool ended;     //!< the segment ends inside the box
+  bool solid;     //!< the leaf's box is its surface
+  bool empty;     //!< the leaf has no surface
 };
 
 /* Where a ray hits a leaf. */
 CVERT_CONSTANT uint32_t hitNone = 0u;
-CVERT_CONSTANT uint32_t hitBox  = 1u; //!< at the entry: the box is the surface
+CVERT_CONSTANT uint32_t hitBox = 1u;  //!< at the entry: the box is the surface
 CVERT_CONSTANT uint32_t hitStep = 2u; //!< at the entry, after a step
 CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign; if it does not, at the end nearer to the patch
-CVERT_CONSTANT uint32_t hitLip  = 4u; //!< in a lip, if the caller finds that the ray intersects one; otherwise no hit
+CVERT_CONSTANT uint32_t hitLip = 4u;  //!< in a lip, if the caller finds that the ray intersects one; otherwise no hit
 CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 
 /*! Result of the rule for a leaf or a passed box. */
-struct HitResult
-{
-  uint32_t hit;     //!< hitNone, or where the ray hits; hitLip may be a miss
-  uint32_t from;    //!< remembered side, if a hit follows from it; sideUnknown for other hits
-  WalkState next;   //!< state if there is no hit, or if it is not accepted
+struct HitResult {
+  uint32_t hit;   //!< hitNone, or where the ray hits; hitLip may be a miss
+  uint32_t from;  //!< remembered side, if a hit follows from it; sideUnknown for other hits
+  WalkState next; //!< state if there is no hit, or if it is not accepted
 };
 
-CVERT_FUNCTION HitResult hitResult (uint32_t hit, uint32_t from, WalkState next)
-{
+CVERT_FUNCTION HitResult hitResult(uint32_t hit, uint32_t from, WalkState next) {
   HitResult result;
   result.hit = hit;
   result.from = from;
@@ -117,29 +112,27 @@ CVERT_FUNCTION HitResult hitResult (uint32_t hit, uint32_t from, WalkState next)
 }
 
 /*! State after an accepted hit. */
-CVERT_FUNCTION WalkState afterHit (WalkState state)
-{
+CVERT_FUNCTION WalkState afterHit(WalkState state) {
   state.found = true;
   state.pending = false;
   return state;
 }
 
 /*! The rule for a leaf whose box the ray crosses. */
-CVERT_FUNCTION HitResult crossLeaf (WalkState state, LeafEvent leaf)
-{
+CVERT_FUNCTION HitResult crossLeaf(WalkState state, LeafEvent leaf) {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
   bool entersBox = leaf.solid && !leaf.started;
 
   if (state.found) { // only nearer hits count
-    if (leaf.solid || leaf.empty) return hitResult(entersBox ? hitBox : hitNone,sideUnknown,state);
-    return hitResult(crosses ? hitRoot : hitNone,sideUnknown,state);
+    if (leaf.solid || leaf.empty) return hitResult(entersBox ? hitBox : hitNone, sideUnknown, state);
+    return hitResult(crosses ? hitRoot : hitNone, sideUnknown, state);
   }
 
   WalkState next = state;
   if (leaf.solid || leaf.empty) {
     next.side = sideUnknown;
     next.pending = false;
-    return hitResult(entersBox ? hitBox : hitNone,sideUnknown,next);
+    return hitResult(entersBox ? hitBox : hitNone, sideUnknown, next);
   }
   if (leaf.started) next.fromSurface = leaf.nearEntry;
   next.side = leaf.leave;
@@ -147,26 +140,25 @@ CVERT_FUNCTION HitResult crossLeaf (WalkState state, LeafEvent leaf)
 
   bool isPastStep = next.fromSurface && !leaf.started && state.side == leaf.leave;
   bool step = !leaf.started && state.side != sideUnknown && state.side != leaf.enter;
-  if (step && !isPastStep) return hitResult(hitStep,state.side,next);
-  if (crosses) return hitResult(isPastStep ? hitNone : hitRoot,sideUnknown,next);
-  if (leaf.near && !leaf.started && !leaf.ended) return hitResult(hitLip,sideUnknown,next);
-  return hitResult(hitNone,sideUnknown,next);
+  if (step && !isPastStep) return hitResult(hitStep, state.side, next);
+  if (crosses) return hitResult(isPastStep ? hitNone : hitRoot, sideUnknown, next);
+  if (leaf.near && !leaf.started && !leaf.ended) return hitResult(hitLip, sideUnknown, next);
+  return hitResult(hitNone, sideUnknown, next);
 }
 
 /*! True if passBox() must be called for boxes that the ray passes. */
-CVERT_FUNCTION bool needsPassedBoxes (WalkState state) {
+CVERT_FUNCTION bool needsPassedBoxes(WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
 /*! The rule for a box that the ray overlaps in x and y, but passes over (`above`) or under. Requires
  *  needsPassedBoxes(). */
-CVERT_FUNCTION HitResult passBox (WalkState state, bool above)
-{
+CVERT_FUNCTION HitResult passBox(WalkState state, bool above) {
   WalkState next = state;
   next.side = above ? sideAbove : sideBelow;
   bool step = state.pending && state.side != next.side;
   if (step) next.pending = false;
-  return hitResult(step ? hitExit : hitNone,state.side,next);
+  return hitResult(step ? hitExit : hitNone, state.side, next);
 }
 
 CBVH_END

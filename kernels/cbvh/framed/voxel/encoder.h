@@ -7,30 +7,26 @@
 
 #include "../block_statistics.h"
 
-namespace embree
-{
-  namespace cbvh { inline namespace CBVH_ISA
-  {
-    class VoxelEncoder
-    {
-    public:
-      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics)
-        : geometry(geometry), statistics(statistics) {}
+namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+class VoxelEncoder {
+public:
+  VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics)
+    : geometry(geometry),
+      statistics(statistics) {}
 
-      void encodeSiblingGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
-      uint32_t encodeGroup(uint32_t, const NodeBox&) { return 0; }
+  void encodeSiblingGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
+  uint32_t encodeGroup(uint32_t, const NodeBox&) { return 0; }
 
-      void encodeLeaf(uint32_t m, const NodeBox& box) {
-        if (geometry.boxOf(geometry.cellLevels,m).empty()) return;
-        statistics.addBoxThickness(geometry,box);
-        statistics.leafFit.addFlatQuad(geometry,mortonX(m),mortonY(m),box);
-      }
+  void encodeLeaf(uint32_t m, const NodeBox& box) {
+    if (geometry.boxOf(geometry.cellLevels, m).empty()) return;
+    statistics.addBoxThickness(geometry, box);
+    statistics.leafFit.addFlatQuad(geometry, mortonX(m), mortonY(m), box);
+  }
 
-      void finish() {}
+  void finish() {}
 
-    private:
-      const BlockGeometry& geometry;
-      BlockStatistics& statistics;
-    };
-  }}
-}
+private:
+  const BlockGeometry& geometry;
+  BlockStatistics& statistics;
+};
+}}} // namespace embree::cbvh::CBVH_ISA
