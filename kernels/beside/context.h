@@ -107,7 +107,7 @@ private:
   void* const userPtr;
 };
 
-namespace embree { namespace beside {
+namespace embree::beside {
 
 /* Selects how this thread handles errors of Embree, until the destructor restores the previous state. Functions of this
  * library store errors, which CbvhContextTy::check() throws. During callbacks of the application, collects is false:
@@ -154,4 +154,4 @@ void checkFlags(unsigned int flags, unsigned int known, const char* of);
 /* Stores a text for cbvhGetErrorText, without calling the error function. Returns CBVH_ERROR_INVALID_ARGUMENT. */
 CbvhError rejectArgument(const char* text);
 
-}} // namespace embree::beside
+} // namespace embree::beside

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace embree { namespace beside {
+namespace embree::beside {
 
 /* A geometry of the kernels, and the user data of its callbacks. After commit(), the geometry has blocks, but no
  * vertices. */
@@ -46,7 +46,7 @@ struct Input {
   Input& operator=(const Input&) = delete;
 };
 
-}} // namespace embree::beside
+} // namespace embree::beside
 
 struct CbvhSurfaceTy : embree::beside::RefCounted {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}

@@ -23,7 +23,7 @@
 #include <stdexcept>
 #include <type_traits>
 
-namespace embree { namespace core {
+namespace embree::core {
 
 /* A struct that gained members in its second version. */
 struct Grown {
@@ -36,7 +36,7 @@ CBVH_EXTENSIBLE_STRUCT(Grown, b);
 // a function of the library that is not exported
 void throwInvalidArgument(const std::string& text) { throw std::invalid_argument(text); }
 
-}} // namespace embree::core
+} // namespace embree::core
 
 namespace cbvh::test { namespace {
 

@@ -63,14 +63,14 @@ bool report(AnyHitRay& ray, embree::IntersectContext*, Reported&&...) {
 
 } // namespace cbvh::test
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<> struct IsAnyHit<::cbvh::test::RecordingRay> {
   static const bool value = false;
 };
 template<> struct IsAnyHit<::cbvh::test::AnyHitRay> {
   static const bool value = true;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh
 
 namespace cbvh::test { namespace {
 

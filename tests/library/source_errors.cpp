@@ -6,7 +6,7 @@
 
 #include "sphere_source.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 static_assert(isSource<SphereSource>(), "the sphere is a source");
 
 /*! the sphere with other patches */
@@ -164,4 +164,4 @@ struct NoLattice : public SphereSource::Patch {
   void latticeExponent(unsigned) const;
 };
 static_assert(isSource<With<NoLattice>>(), "");
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -11,7 +11,7 @@
 #include "kernels/cbvh/vert/writer.h"
 #include <cmath>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class SphereSource {
 public:
   /*! the constructor argument of SourceBuilder */
@@ -123,4 +123,4 @@ private:
   const Mesh* mesh;
   const CompressionPlan& plan;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

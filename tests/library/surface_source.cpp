@@ -13,7 +13,7 @@
 #include <set>
 #include <tuple>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! adds the vertices of all blocks below a node */
 static void addVertices(BVH4::NodeRef ref, std::set<std::tuple<float, float, float>>& vertices) {
   if (ref == BVH4::emptyNode) return;
@@ -103,4 +103,4 @@ TEST(SurfaceClusters, TooManyTrianglesAreErrors) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Quads, SurfaceSource, ::testing::Values(1u, 5u, 16u, 40u, 300u));
-}} // namespace embree::isa
+} // namespace embree::isa

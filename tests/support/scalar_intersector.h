@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 template<typename Real>
 struct ScalarHit {
   bool found = false;
@@ -252,4 +252,4 @@ private:
   LeafPatch exitPatch;
   Real exitS;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

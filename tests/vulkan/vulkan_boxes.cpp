@@ -9,7 +9,7 @@
 
 #include <unordered_set>
 
-namespace embree { namespace vulkan { namespace {
+namespace embree::vulkan { namespace {
 
 typedef std::vector<VkAabbPositionsKHR> Boxes;
 
@@ -33,4 +33,4 @@ TEST(VulkanBoxes, MoreBoxesAreAnotherLevel) {
   EXPECT_FALSE(BoxesKey(one) == BoxesKey(two));
 }
 
-}}} // namespace embree::vulkan
+}} // namespace embree::vulkan

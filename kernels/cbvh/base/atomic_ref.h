@@ -8,7 +8,7 @@
 
 #include <atomic>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 template<typename T>
 class AtomicRef {
 public:
@@ -48,4 +48,4 @@ private:
 
   T& object;
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

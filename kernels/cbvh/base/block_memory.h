@@ -8,7 +8,7 @@
 
 #include "../embree/scene.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 class BlockMemory {
 public:
   explicit BlockMemory(Device* device);
@@ -47,4 +47,4 @@ private:
   std::vector<Piece> pieces;
   MutexSys mutex;
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -15,7 +15,7 @@
 #include "codec_names.h"
 #include "../../cvert/basics/world.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Rounds outwards to floats, so that the box still contains the bounds. */
 inline BBox3fa toBBox(const cbvh::WorldBounds& b) {
   auto roundDown = [](double x) {
@@ -101,4 +101,4 @@ private:
   size_t used = 0;                   //!< bytes of the buffer that contain blocks
   std::vector<PendingBlock> pending; //!< buffered blocks
 };
-}} // namespace embree::isa
+} // namespace embree::isa

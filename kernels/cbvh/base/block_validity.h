@@ -12,7 +12,7 @@
 #include <atomic>
 #include <cstddef>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Range of addresses that contains the mapped blocks of all files, and possibly other memory.
  *  mappedBytes is 0 if no file is mapped. Readers must load mappedBegin before mappedBytes. Writers first extend
  *  mappedBytes to all addresses, then change mappedBegin. If a reader sees an old and a new value, its range
@@ -33,4 +33,4 @@ __forceinline bool isBlockValid(const void* block, BlockFormat format) {
   const BlockValidator isValid = mappedBlockValidator.load(std::memory_order_relaxed);
   return !isValid || isValid(block, format);
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

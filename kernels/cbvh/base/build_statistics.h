@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 struct BuildStatistics : public SurfaceStatistics {
   /*! findVertex(): returns an InvalidVertex, for the first face. */
   template<typename FindVertex>
@@ -75,4 +75,4 @@ private:
 
   double maxSquaredDeviation = 0, maxSquaredMismatch = 0;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -20,7 +20,7 @@
 #define CBVH_END }}}
 // clang-format on
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 using namespace cvert;
 
 /* The overloads in namespace embree (vectors.h) would hide names that only the using-directive makes visible,
@@ -30,7 +30,7 @@ using cvert::maximum;
 using cvert::magnitude;
 using cvert::choose;
 using cvert::product;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh
 #endif
 
 #endif

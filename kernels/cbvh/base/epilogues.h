@@ -8,7 +8,7 @@
 
 #include "../embree/traversal.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! A hit as Embree's epilogues of single rays require it. Ng need not be normalized. */
 struct SurfaceHit1 {
   float u, v, t;
@@ -76,4 +76,4 @@ __forceinline bool needsHitData(const RayK<K>&, const IntersectContext* context,
   return unlikely(context->hasContextFilter() ||
                   context->scene->get(geomIDOf(context, surfaceNumber))->hasOcclusionFilter());
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 #include "block_store.h"
 #include "build_statistics.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class GridSOAWriter {
 public:
   static const unsigned gridQuads = 8; //!< quads per side of a full grid, as in Embree's bvh_builder_subdiv.cpp
@@ -89,4 +89,4 @@ private:
   cbvh::BuildStatistics& statistics;
   const bool countsInvalidQuads;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

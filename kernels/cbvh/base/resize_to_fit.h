@@ -5,11 +5,11 @@
 
 #include <cstddef>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Resizes an empty vector without unused capacity; Embree's vectors grow to powers of two. */
 template<typename Vector>
 void resizeToFit(Vector& vector, size_t size) {
   vector.reserve(size);
   vector.resize(size);
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! A number that no other surface has while this object exists. */
 class SurfaceNumber {
 public:
@@ -72,4 +72,4 @@ private:
   std::vector<Slot> slots; //!< hash table, indexed by the number's low bits, with linear probing
   uint32_t mask = 0;
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! RTCCompressionStatistics without structSize; the public header defines the members. Floats are world units. */
 struct CompressionStatistics {
   static const unsigned noPrimitive = ~0u; //!< RTC_INVALID_GEOMETRY_ID
@@ -106,4 +106,4 @@ struct SurfaceStatistics {
   InvalidVertex firstInvalidVertex; //!< a reason why firstInvalidFace is invalid
   size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -7,7 +7,7 @@
 
 #include "../embree/scene.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Quads between two progress reports of a task: few enough to cancel quickly, and enough that reports cost no
  *  measurable time. */
 static const size_t progressQuads = 1 << 15;
@@ -28,4 +28,4 @@ inline Value reduceRanges(size_t n, size_t perTask, const Value& none, const Clo
   if (n > perTask) return parallel_reduce(size_t(0), n, perTask, none, closure, sum);
   return n ? closure(range<size_t>(0, n)) : none;
 }
-}} // namespace embree::isa
+} // namespace embree::isa

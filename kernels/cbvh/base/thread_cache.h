@@ -10,7 +10,7 @@
 #include <atomic>
 #include <cstddef>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Bits of a mask, one per type of cache. */
 enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8, meshMotionCache = 16 };
 
@@ -71,4 +71,4 @@ private:
   /* initial-exec: the default model of shared libraries calls a function for each access */
   static __thread ThreadCache* current __attribute__((tls_model("initial-exec")));
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -9,7 +9,7 @@
 
 #include "../embree/scene.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! A monitor that refuses nothing. Thread-safe. */
 inline MemoryMonitorInterface* silentMonitor() {
   struct None : public MemoryMonitorInterface {
@@ -41,4 +41,4 @@ private:
   Device* const device;
   const ssize_t bytes;
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

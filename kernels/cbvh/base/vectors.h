@@ -35,7 +35,7 @@ template<int N> __forceinline vfloat_impl<N> product(const vfloat_impl<N>& a, co
   return p;
 }
 
-namespace isa { namespace cbvh {
+namespace isa::cbvh {
 using namespace embree::cbvh;
 
 #if defined(__AVX512F__)
@@ -78,5 +78,5 @@ template<typename Vector>
 __forceinline Vector fusedNegative(const Vector& a, const Vector& b, const Vector& c) {
   return nmadd(a, b, c);
 }
-}} // namespace isa::cbvh
+} // namespace isa::cbvh
 } // namespace embree

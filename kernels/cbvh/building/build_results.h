@@ -11,7 +11,7 @@
 #include "../base/resize_to_fit.h"
 #include <tuple>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 struct BuildResults {
   /*! If strip is 0: blocks of consecutive patches, beginning with `patch` of `primitive`. Otherwise blocks of that
    *  patch's strip number `strip`, from 1. For mesh blocks, `primitive` is the number of grids plus the index of
@@ -78,4 +78,4 @@ struct BuildResults {
     }
   }
 };
-}} // namespace embree::isa
+} // namespace embree::isa

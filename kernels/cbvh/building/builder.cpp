@@ -17,7 +17,7 @@
 #include "surface_builder.h"
 #include <algorithm>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 typedef std::shared_ptr<const cbvh::SurfaceNumber> SurfaceNumberPointer;
 
 typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
@@ -371,4 +371,4 @@ void buildBlocksOfGeometry(CompressibleGeometry* geometry) {
   }));
   cbvh::invalidateThreadCaches();
 }
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -18,7 +18,7 @@
 #include "../framed/writer.h"
 #endif
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class CageSource {
 public:
   typedef CagePatch Patch;
@@ -197,4 +197,4 @@ private:
   std::unique_ptr<CageBorders> borders; //!< null if faces share no borders, and outside of prepare() to release()
   const std::vector<unsigned> holes;    //!< see isa::isUnsupported
 };
-}} // namespace embree::isa
+} // namespace embree::isa

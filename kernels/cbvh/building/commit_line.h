@@ -15,7 +15,7 @@
 #include <map>
 #include <sstream>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! "face", "grid", "quad" or "triangle". */
 inline const char* primitiveName(const CompressibleGeometry* geometry) {
   switch (geometry->ownType) {
@@ -129,4 +129,4 @@ private:
   std::string firstInvalid; //!< of the first geometry that has some
   size_t notRequested = 0;  //!< subdivision surfaces without a request
 };
-}} // namespace embree::isa
+} // namespace embree::isa

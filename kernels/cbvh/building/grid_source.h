@@ -9,7 +9,7 @@
 #include "../surface/grid_patch.h"
 #include "../vert/writer.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Grids: see surface/diced_grids.h. */
 template<typename Grids>
 class GridSource {
@@ -103,4 +103,4 @@ private:
   const CompressionPlan& plan;
   GridBorders<Grids> borders;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -10,7 +10,7 @@
 #include "../vert/moving_mesh_writer.h"
 #include "build_results.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class IrregularBlocks {
 public:
   /*! regions: must have irregular primitives. plan must outlive this object. */
@@ -117,4 +117,4 @@ private:
   const std::shared_ptr<const QuadRegions> regions;
   IrregularTriangles triangles;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

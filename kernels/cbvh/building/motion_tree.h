@@ -11,7 +11,7 @@
 #include "../base/tasks.h"
 #include <vector>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class MotionTree {
   typedef BVH4::NodeRef NodeRef;
   typedef BVHBuilderMSMBlur::BuildRecord BuildRecord;
@@ -248,4 +248,4 @@ private:
     }
   };
 };
-}} // namespace embree::isa
+} // namespace embree::isa

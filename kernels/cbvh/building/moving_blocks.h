@@ -16,7 +16,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class MovingBlocks {
 public:
   explicit MovingBlocks(Device* device) : device(device), blocks(device, 0) {}
@@ -192,4 +192,4 @@ private:
   mvector<MotionTree::Block> blocks;
   std::vector<Boxes> boxes; //!< keeps the boxes of the blocks alive
 };
-}} // namespace embree::isa
+} // namespace embree::isa

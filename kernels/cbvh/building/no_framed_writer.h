@@ -10,7 +10,7 @@
 #include "../surface/cage_patch.h"
 #include "../surface/plan.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 struct PatchTiling {
   size_t size() const { return 0; }
 };
@@ -24,4 +24,4 @@ struct FramedWriter {
   bool write(CagePatch&, const PatchTiling&) { return false; }
   const float (*evaluatedVertices(unsigned, unsigned) const)[3] { return nullptr; }
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -17,7 +17,7 @@
 #include "../surface/invalid_input.h"
 #include <functional>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class SurfaceBuilder {
 public:
   virtual ~SurfaceBuilder() {}
@@ -243,4 +243,4 @@ private:
   const size_t estimatedBlocks;
   const size_t perTask;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace embree { namespace core {
+namespace embree::core {
 namespace {
 void validateCompression(const RTCCompression& value) {
   int compression; // memcpy, because a value outside of the enumeration would be undefined behavior
@@ -107,4 +107,4 @@ cbvh::CompressionStatistics statisticsOf(Scene* scene) {
       cbvh::add(statistics, compressed->report->statistics);
   return statistics;
 }
-}} // namespace embree::core
+} // namespace embree::core

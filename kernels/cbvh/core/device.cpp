@@ -4,7 +4,7 @@
 #include "device.h"
 #include "../embree/scene.h"
 
-namespace embree { namespace core {
+namespace embree::core {
 Device* newDevice(const char* deviceString) {
   static MutexSys mutex; // like rtcNewDevice's
   Lock<MutexSys> lock(mutex);
@@ -12,4 +12,4 @@ Device* newDevice(const char* deviceString) {
   device->refInc();
   return device;
 }
-}} // namespace embree::core
+} // namespace embree::core

@@ -9,7 +9,7 @@
 #include "../surface/input_checks.h"
 #include "../surface/patches.h"
 
-namespace embree { namespace core {
+namespace embree::core {
 namespace {
 void requireFinite(const char* name, const float* values, size_t n) {
   for (size_t i = 0; i < n; i++)
@@ -158,4 +158,4 @@ std::vector<float> dice(Geometry* geometry, const DicingCamera& camera) {
                       unsigned(rates.size()));
   return rates;
 }
-}} // namespace embree::core
+} // namespace embree::core

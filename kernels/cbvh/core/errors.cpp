@@ -6,7 +6,7 @@
 #include <exception>
 #include <new>
 
-namespace embree { namespace core {
+namespace embree::core {
 CaughtError caughtError() noexcept {
   try {
     try {
@@ -24,4 +24,4 @@ CaughtError caughtError() noexcept {
 }
 
 void throwInvalidArgument(const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT, text); }
-}} // namespace embree::core
+} // namespace embree::core

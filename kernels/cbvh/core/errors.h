@@ -10,7 +10,7 @@
 #include "../../../include/embree3/rtcore.h"
 #include <string>
 
-namespace embree { namespace core {
+namespace embree::core {
 struct CaughtError {
   RTCError code; //!< never RTC_ERROR_NONE
   std::string text;
@@ -24,4 +24,4 @@ CaughtError caughtError() noexcept;
 /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. libembree3_vulkan has its own
  *  definition, in rtcore_vulkan.cpp. */
 [[noreturn]] void throwInvalidArgument(const std::string& text);
-}} // namespace embree::core
+} // namespace embree::core

@@ -8,7 +8,7 @@
 #include "../files/saved_surface.h"
 #include "../stored/required_blocks.h"
 
-namespace embree { namespace core {
+namespace embree::core {
 namespace {
 /*! Rethrows errors of the codec as Embree's. */
 template<typename Function>
@@ -134,4 +134,4 @@ Geometry* CompressedFile::load(size_t index) const {
 void CompressedFile::verifyAll() const {
   withEmbreeErrors([&] { cbvh::verifyFile(*file); });
 }
-}} // namespace embree::core
+} // namespace embree::core

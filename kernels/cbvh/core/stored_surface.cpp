@@ -5,7 +5,7 @@
 #include "../stored/required_blocks.h"
 #include "../stored/stored_clusters.h"
 
-namespace embree { namespace core {
+namespace embree::core {
 namespace {
 /*! True if the intersectors that api/factory.cpp selects for a device fuse multiply-adds, which changes vertices
  *  between time steps. */
@@ -64,4 +64,4 @@ void forEachCluster(Geometry* geometry, float time, cbvh::ClusterFormat format,
                    "unknown cluster format " + std::to_string(int(format)) + ": expected 0 to 2");
   cbvh::forEachCluster(*held.blocks, traversalTime(geometry, time), format, closure, statistics);
 }
-}} // namespace embree::core
+} // namespace embree::core

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace embree { namespace core {
+namespace embree::core {
 namespace {
 size_t structSizeOf(const void* data) {
   size_t size;
@@ -44,4 +44,4 @@ void copyToApplication(const StructInfo& info, void* to, const void* from) {
   std::memcpy((char*)to + sizeof(size_t), (const char*)from + sizeof(size_t), common - sizeof(size_t));
   std::memset((char*)to + common, 0, size - common);
 }
-}} // namespace embree::core
+} // namespace embree::core

@@ -14,7 +14,7 @@
 
 #include <cstddef>
 
-namespace embree { namespace core {
+namespace embree::core {
 /*! firstSize: sizeof in the first version that has the struct. */
 template<typename T> struct ExtensibleStruct;
 
@@ -66,4 +66,4 @@ template<typename T>
 void writeStruct(T* to, const T& from) {
   copyToApplication(structInfo<T>(), to, &from);
 }
-}} // namespace embree::core
+} // namespace embree::core

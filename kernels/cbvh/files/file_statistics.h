@@ -9,7 +9,7 @@
 #include "../base/surface_statistics.h"
 #include "../../cvert/file/format.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Calls closure(member) for each integer that files store, in the order of FileGeometry::counts, which must not
  *  change. */
 template<typename Statistics, typename Closure>
@@ -59,4 +59,4 @@ inline void setStatistics(FileGeometry& record, const SurfaceStatistics& statist
   forEachCount(statistics, [&](size_t count) { record.counts[n++] = count; });
   forEachMeasure(statistics, [&](float measure) { record.measures[m++] = measure; });
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -17,7 +17,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 namespace {
 /*! Copy-on-write mapping of a part of a file. It begins `offsetInPage` bytes before the part: 0 unless the
  *  machine's pages are larger than the file's, as on some ARM64 machines. */
@@ -161,4 +161,4 @@ void verifyFile(const File& file) {
                : reason;
   });
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

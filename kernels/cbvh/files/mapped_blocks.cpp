@@ -12,7 +12,7 @@
 #include <new>
 #include <vector>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! All MappedBlocks of the process, to find the owner of a block by its address. Threads hold references
  *  to a sorted list, which does not change, so that rays lock only after files were mapped or unmapped. */
 class MappedBlockRegistry {
@@ -240,4 +240,4 @@ bool MappedBlocks::check(size_t offset, BlockFormat format) const {
   }
   return true;
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -14,7 +14,7 @@
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 static_assert(fileFramedVersion == formatVersion, "files have the version of blocks with frames");
 static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_CGRID) &&
                   FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_CVERT),
@@ -140,4 +140,4 @@ FileSurface toFileSurface(const CompressibleGeometry* geometry, const SurfaceBlo
   setStatistics(record, blocks.statistics);
   return surface;
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -10,7 +10,7 @@
 #include "../../cvert/decoder/validate.h"
 #include "../../cvert/basics/reason.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Returns the first error in a frame. */
 inline Reason validateFrame(const BlockHeader& header) {
   bool isConstant = true; // W may still depend on the point
@@ -51,4 +51,4 @@ inline Reason validateFramedBlock(const void* data, size_t bytes, uint32_t numPr
              ? Reason()
              : Reason::damaged("primitive % is out of range: the geometry has %", primID, numPrimitives);
 }
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -16,7 +16,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace embree { namespace cbvh { namespace {
+namespace embree::cbvh { namespace {
 /*! The memory that the pointers of a FlatScene refer to. */
 struct OwnedScene : public FlatScene {
   std::vector<FlatNode> ownNodes;
@@ -285,7 +285,7 @@ std::unique_ptr<OwnedScene> flatten(Scene* scene) {
   flat->numGeometries = flat->ownGeometries.size();
   return flat;
 }
-}}} // namespace embree::cbvh
+}} // namespace embree::cbvh
 
 using namespace embree;
 

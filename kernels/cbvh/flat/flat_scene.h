@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Increment it when a struct below changes: libembree3 and libembree3_vulkan must have the same version. */
 static const uint32_t flatSceneVersion = 6;
 
@@ -85,7 +85,7 @@ struct FlatScene {
   FlatGeometry* geometries; //!< by geomID
   size_t numNodes, numMovingNodes, numBlocks, numGridLeaves, numGeometries;
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh
 
 extern "C" {
 

@@ -17,7 +17,7 @@
 #include "tree.h"
 #include "block_geometry.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! World-space bounds of a box in the frame: of its corners, because a projective map keeps the box convex. */
 inline WorldBounds boundBox(const NodeBox& box, const float center[3], const InverseFrame& inverse) {
   /* Lanes: corners in x and y. Elements of arrays: lower and upper z. */
@@ -90,4 +90,4 @@ private:
   const BlockGeometry& geometry;
   uint32_t nodeLevels;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -22,7 +22,7 @@
 #include "leaf/encoder.h"
 #include "voxel/encoder.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 class BlockEncoder {
 public:
   /*! Arguments: see BlockGeometry. fit() must return true before encode() is called. */
@@ -89,4 +89,4 @@ private:
   Kind kind;
   BlockGeometry geometry;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

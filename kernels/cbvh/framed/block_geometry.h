@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Smallest area of a quad in the frame, relative to an equal share of the unit square. Leaves are more than 16
  *  times as wide as smaller quads. */
 static constexpr double minQuadArea = 1.0 / 256;
@@ -215,4 +215,4 @@ private:
   Double3* fitScratch;      //!< memory for fitFrame()
   float (*finiteCopies)[3]; //!< the finite vertices, if some are not
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

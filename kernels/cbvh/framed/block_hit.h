@@ -10,7 +10,7 @@
 #include "local_ray4.h"
 #include "normal.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! A hit in the frame. */
 template<typename Real, typename Bool>
 struct LeafHit {
@@ -97,4 +97,4 @@ private:
   const Block* block;
   const float leafSize; //!< side of a leaf, in quads
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -10,7 +10,7 @@
 #include "leaf/visitor1.h"
 #include "grid/visitor1.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Visitor: LeafVisitor1, VoxelVisitor1 or GridVisitor1. Its constant `kind` is the block's kind. */
 template<template<typename> class Visitor>
 struct BlockIntersector1 {
@@ -28,4 +28,4 @@ struct BlockIntersector1 {
     return visitor.isHit;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 #include "leaf/visitorK.h"
 #include "grid/visitorK.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K, template<int, typename> class Visitor>
 struct BlockIntersectorK {
   /*! Returns the rays that accepted a hit. */
@@ -27,4 +27,4 @@ struct BlockIntersectorK {
     return visitor.isHit;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -8,7 +8,7 @@
 
 #include "leaf/leaf_fit.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 struct BlockStatistics {
   uint32_t invalidQuads = 0; //!< quads with a vertex that is not finite
   uint32_t solidLeaves = 0;  //!< cLEAF: leaves whose box is the surface
@@ -43,4 +43,4 @@ struct BlockStatistics {
     addThickness(geometry, box, flat, box.extent[2]);
   }
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

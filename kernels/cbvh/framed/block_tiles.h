@@ -16,7 +16,7 @@
 #include "block.h"
 #include <cstring>
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 class BlockTiles {
 public:
   typedef NodeEntries::Tile Tile;
@@ -142,4 +142,4 @@ private:
   const int nodeLevels;
   const char* heights;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

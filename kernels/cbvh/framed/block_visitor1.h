@@ -9,7 +9,7 @@
 #include "block_hit.h"
 #include "../base/epilogues.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 typedef LeafHit<float, bool> LeafHit1;
 
 template<typename RayType>
@@ -84,4 +84,4 @@ struct BlockVisitor1 {
     return true;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -10,7 +10,7 @@
 #include "../base/epilogues.h"
 #include <tuple>
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K> using LeafHits = LeafHit<vfloat<K>, vbool<K>>;
 
 template<int K, typename Rays>
@@ -120,4 +120,4 @@ private:
     return front;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -21,7 +21,7 @@
 
 #include "tile_hits.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<typename Visitor>
 class BlockWalk1 {
   typedef typename Visitor::LeafTile LeafTile;
@@ -127,4 +127,4 @@ private:
                                            : ray.isAbove(tileOf(l, level, grandchild).grandchildren, grandchild);
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

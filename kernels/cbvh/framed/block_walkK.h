@@ -30,7 +30,7 @@
 #include "block_tiles.h"
 #include "node_rays.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K, typename Visitor>
 class BlockWalkK {
   typedef typename Visitor::LeafTile LeafTile;
@@ -160,4 +160,4 @@ private:
     return tile;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -34,7 +34,7 @@
 #include "frame_map.h"
 #include <cfloat>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Largest ratio of W at two vertices of a block. */
 static constexpr double maxWRatio = 4.0;
 
@@ -347,4 +347,4 @@ inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size
   map.Z = LinearForm{plane.n, 0};
   return fitBox(map, origin, scratch, count, farthest, frame);
 }
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

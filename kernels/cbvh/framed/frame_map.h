@@ -11,7 +11,7 @@
 #include "../../cvert/basics/double4.h"
 #include "../../cvert/basics/world.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! The linear form n.p + d. */
 struct LinearForm {
   Double3 n;
@@ -110,4 +110,4 @@ struct InverseFrame {
     return {w * numerator[0](local), w * numerator[1](local), w * numerator[2](local)};
   }
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

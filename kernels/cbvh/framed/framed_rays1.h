@@ -9,7 +9,7 @@
 #include "../base/block_validity.h"
 #include "block_intersector1.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! State of a ray for all blocks with frames that it visits. */
 class FramedRay {
 public:
@@ -42,4 +42,4 @@ public:
 private:
   RayState state;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

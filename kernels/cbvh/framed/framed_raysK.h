@@ -9,7 +9,7 @@
 #include "../base/block_validity.h"
 #include "block_intersectorK.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K>
 class FramedRaysK {
 public:
@@ -38,4 +38,4 @@ public:
 private:
   RayStates<K> state;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

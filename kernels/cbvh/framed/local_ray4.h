@@ -10,7 +10,7 @@
 #include "../base/vectors.h"
 #include "../embree/ray.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 /*! A ray, and its nearest hit in blocks with frames. The largest component of the direction is scaled to 1, so
@@ -139,4 +139,4 @@ private:
     }
   };
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 #include "../base/surface_ids.h"
 #include "../embree/simd.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 /*! The nearest hit of a ray in blocks with frames. Blocks extend slightly past their top-level bounds
@@ -49,4 +49,4 @@ private:
     return a->tiling != b->tiling ? a->tiling < b->tiling : a->info < b->info;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -10,7 +10,7 @@
 #include "../base/thread_cache.h"
 #include <cstdint>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Planes of N boxes in the frame: [axis][0 lower, 1 upper][node]. */
 template<int N>
 struct alignas(64) NodePlanes {
@@ -66,4 +66,4 @@ private:
 
 typedef ThreadCache<NodeEntries> NodeCache;
 extern template class ThreadCache<NodeEntries>;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

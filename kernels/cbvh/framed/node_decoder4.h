@@ -11,7 +11,7 @@
 #include "leaf/format.h"
 #include "../base/intrinsics.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 template<int N>
@@ -145,4 +145,4 @@ private:
   LeafSurfaces& surfaces;
   const uint32_t first;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

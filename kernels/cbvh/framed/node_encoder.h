@@ -11,7 +11,7 @@
 #include "../../cvert/basics/double4.h"
 #include <algorithm>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Bounds in the frame, not rounded, padded to full lanes. Initially empty. */
 struct ExactBox {
   double lower[4] = {1e300, 1e300, 1e300, 1e300};
@@ -148,4 +148,4 @@ private:
     (u - l).store(extent[axis]);
   }
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

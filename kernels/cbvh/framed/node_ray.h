@@ -8,7 +8,7 @@
 #include "local_ray4.h"
 #include "node_cache.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! A segment P + s D in the frame of a block, with s from 0 to 1. */
 struct NodeRay {
   vfloat4 P, D;
@@ -115,4 +115,4 @@ __forceinline BoxMasks intersectBoxes(const NodeRay& ray, const NodePlanes<N>& c
   masks.passed &= ~masks.hit;
   return masks;
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -8,7 +8,7 @@
 
 #include "node_ray.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! See RayState. */
 template<int K>
 struct RayStates {
@@ -171,4 +171,4 @@ struct BoxRangesK {
     return (leaveZ < max(enterXY, vfloat<K>(zero))) ^ descendsZ;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -6,7 +6,7 @@
 #include "node_tables.h"
 #include "leaf/format.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 const NodeTables nodeTables;
 
 NodeTables::NodeTables() {
@@ -35,4 +35,4 @@ NodeTables::NodeTables() {
     allOfFour[mask] = uint16_t(15 * firstOfFour[mask]);
   }
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 struct alignas(64) NodeTables {
   /*! [x or y][plane pair][child]: lowerPlane() and upperPlane() of node.h, in parent extents. */
   float lowerPlanes[2][32][4];
@@ -30,4 +30,4 @@ struct alignas(64) NodeTables {
 };
 
 extern const NodeTables nodeTables;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

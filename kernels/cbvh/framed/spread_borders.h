@@ -17,7 +17,7 @@
 #include "../surface/shared_border.h"
 #include <cmath>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Moves a point of a border outward by 2^-20 of its largest coordinate, but at most 1/16 of a quad. Otherwise
  *  rounding could leave a gap to a neighbor without a vertex there. inner: next vertex inside of the patch. */
 inline cbvh::Double3 movedOutward(const cbvh::Double3& p, const cbvh::Double3& inner) {
@@ -57,4 +57,4 @@ inline void spreadBorders(const float rate[4], const PatchVertices& patch, float
   spreadBorder(vertices + quadsY * row, 1, -row, quadsX, unsigned(rate[2]));
   spreadBorder(vertices, row, 1, quadsY, unsigned(rate[3]));
 }
-}} // namespace embree::isa
+} // namespace embree::isa

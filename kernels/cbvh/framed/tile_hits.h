@@ -13,7 +13,7 @@
 #include "block_tiles.h"
 #include "node_ray.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 class TileHits {
 public:
   __forceinline TileHits() {}
@@ -128,4 +128,4 @@ private:
   uint32_t flip;     //!< bits in which ranks and grandchildren differ, without swaps
   uint32_t swaps;    //!< a bit per four ranks with swapped alternatives, and childSwap for the children
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

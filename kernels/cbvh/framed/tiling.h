@@ -8,7 +8,7 @@
 #include "block.h"
 #include "../surface/plan.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! A patch as blocks of 2^height x 2^height quads. Along u and v, the higher rate of two opposite edges determines
  *  the number of blocks:
  *
@@ -58,4 +58,4 @@ inline PatchTiling tilingOf(cbvh::Kind kind, const float rate[4], unsigned frame
   }
   return best;
 }
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -12,7 +12,7 @@
 #include "../surface/cage_patch.h"
 #include "spread_borders.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class FramedWriter {
 public:
   /*! If plan.sharesBorders(), faces share the vertices of borders (surface/shared_border.h), and write() may return
@@ -268,4 +268,4 @@ private:
   mvector<Vec3fa> scratch;
   mvector<Vec3fa> encoded; //!< blocks of a patch, or one block of boundedFrameLevel()
 };
-}} // namespace embree::isa
+} // namespace embree::isa

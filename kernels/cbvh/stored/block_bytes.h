@@ -9,7 +9,7 @@
 #include "../../cvert/format/mesh_block.h"
 #include "../../cvert/format/motion.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Size of a block, without the bytes after it that decoders may read. */
 inline uint32_t bytesOfBlock(const void* block, BlockFormat format) {
   switch (format) {
@@ -24,4 +24,4 @@ inline uint32_t offsetOfSurface(BlockFormat format) {
   static_assert(offsetof(MeshHeader, surface) == offsetof(VertHeader, surface), "same offset in both headers");
   return format == FRAMED_FORMAT ? uint32_t(offsetof(BlockHeader, surface)) : uint32_t(offsetof(VertHeader, surface));
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

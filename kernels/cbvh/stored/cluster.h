@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 enum class ClusterFormat : int {
   FLOAT3 = 0, //!< x, y, z per vertex
   /*! D3D12_VERTEX_FORMAT_COMPRESSED1: header and vertices, padded to 4 bytes. */
@@ -89,4 +89,4 @@ Statistics statisticsAs(const ClusterStatistics& statistics) {
   std::copy_n(statistics.numTrianglesByReason, size_t(numClusterReasons), to.numTrianglesByReason);
   return to;
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! A triangle of cVERT, cGRID or a mesh block. */
 struct StoredTriangle {
   float vertices[3][3]; //!< in the geometry's space
@@ -29,4 +29,4 @@ struct StoredPart {
    *  00, 10 and 01, and of its second triangle, or the first repeated if there is no second. */
   uint32_t primitivesPerQuad;
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 namespace {
 /*! Why clusters of a block may need floats. */
 ClusterReason reasonForFloatsOf(const StoredBlock& block) {
@@ -189,4 +189,4 @@ void forEachCluster(const SurfaceBlocks& blocks, const TraversalTime& time, Clus
   forEachPart(blocks, time,
               [&](const StoredBlock& block, const StoredPart& part) { return builder->build(block, part); });
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

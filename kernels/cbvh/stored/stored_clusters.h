@@ -6,10 +6,10 @@
 #include "cluster.h"
 #include "stored_triangles.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Divides the parts of a surface into clusters. Calls closure(cluster) until it returns false, and adds each
  *  cluster to the statistics. The cluster is valid during the call. Throws as forEachPart, and if there are more
  *  triangles than StoredCluster::firstTriangle, or DGF, can number. */
 void forEachCluster(const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,
                     const std::function<bool(const StoredCluster&)>& closure, ClusterStatistics& statistics);
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <limits>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 namespace {
 /*! Calls closure(block) until it returns false. Then returns false, too. */
 template<typename Closure>
@@ -429,4 +429,4 @@ void forEachPart(const SurfaceBlocks& blocks, const TraversalTime& time,
     return closure(block, part);
   });
 }
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -9,7 +9,7 @@
 
 #include "../embree/scene.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Maximum number of blocks in a part. */
 static const size_t maxPartBlocks = 16;
 
@@ -109,4 +109,4 @@ private:
 
   mvector<PrimRef>& parts;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

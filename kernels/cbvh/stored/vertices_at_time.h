@@ -13,7 +13,7 @@
 #include <cmath>
 #include <memory>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Interpolates between two steps, rounding as vert/interpolation.h does for vectors. f: 0 to 1. */
 inline float interpolate(float a, float b, float f, bool isFused) {
   const float last = f * b;
@@ -87,4 +87,4 @@ private:
   float fraction;
   std::unique_ptr<const MeshStepView> before, after; //!< null without motion; `before` also in the first segment
 };
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -32,7 +32,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Chooses a lattice from samples of vertices. */
 class LatticeChoice {
 public:
@@ -212,4 +212,4 @@ private:
   const CompressionPlan& plan;
   mvector<int8_t> own, shared; //!< exponents of all steps, per primitive and per element
 };
-}} // namespace embree::isa
+} // namespace embree::isa

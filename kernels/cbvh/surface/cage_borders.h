@@ -20,7 +20,7 @@
 #include "cage_topology.h"
 #include "patch_evaluator.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class CageBorders {
 public:
   typedef PatchEvaluator Scratch;
@@ -273,4 +273,4 @@ private:
   mvector<uint32_t> firstCached;       //!< by the half-edge of a patch's corner; empty unless the surface is small
   mvector<float> cached;               //!< all vertices of a small surface, step by step
 };
-}} // namespace embree::isa
+} // namespace embree::isa

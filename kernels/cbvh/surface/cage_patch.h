@@ -8,7 +8,7 @@
 #include "cage_borders.h"
 #include "source.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class CagePatch : public SurfacePatch {
 public:
   /*! The arguments must outlive the object. `patch` is valid during forEachPatch's closure (patches.h). borders:
@@ -66,4 +66,4 @@ private:
   PatchEvaluator& evaluator;
   const SubdivPatch1Base base;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -7,7 +7,7 @@
 
 #include "shared_border.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 struct CageSide {
   SharedVertex begin, end;
   const float (*interior)[3]; //!< rate-1 positions in the owner's direction; owned by CageBorders
@@ -35,4 +35,4 @@ struct CageSide {
     return side;
   }
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -24,7 +24,7 @@
 #include <map>
 #include <set>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class CageTopology {
 public:
   /*! Rates and owners of a half-edge. Its corner is the vertex where it begins. */
@@ -220,4 +220,4 @@ private:
   const HalfEdge* const first;
   mvector<HalfEdgeData> halfEdges; //!< by half-edge
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -10,7 +10,7 @@
 #include <atomic>
 #include <iostream>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Spacing, as a fraction of an edge, at which the first quads flip. */
 static const double coarseSpacing = 0.5;
 
@@ -26,4 +26,4 @@ inline void warnIfCoarse(Device* device, double spacing, double edge) {
             << " times the median edge: pictures may have speckles or lose detail; expected at most " << edge / 36
             << ", 1/36 of the edge" << std::endl;
 }
-}} // namespace embree::isa
+} // namespace embree::isa

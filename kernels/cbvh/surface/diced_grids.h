@@ -33,7 +33,7 @@
 #include "mesh_regions.h"
 #include "source.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 static_assert(minGridSide == QuadRegions::minRegionSide, "minGridSide must equal QuadRegions::minRegionSide");
 
 /*! The vertices of one grid. Vertices: has width and height, in vertices, and vertex(x,y), an index in the
@@ -162,4 +162,4 @@ private:
 
 typedef GridsOfRegions<QuadMesh, QuadsOfMesh, bytesOfQuadInEmbree> GridsOfQuadMesh;
 typedef GridsOfRegions<TriangleMesh, PairsOfMesh, bytesOfPairInEmbree> GridsOfTriangleMesh;
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -15,7 +15,7 @@
 #include "shared_border.h"
 #include "stitched_vertices.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 template<typename Grids>
 class GridBorders : public StoredBorders {
 public:
@@ -160,4 +160,4 @@ private:
   Table table; //!< vertices on borders; empty if none can be shared
   StitchedVertices<GridBorders> stitched;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

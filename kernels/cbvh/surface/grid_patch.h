@@ -8,7 +8,7 @@
 #include "grid_borders.h"
 #include "source.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Grids: see diced_grids.h. */
 template<typename Grids>
 class GridPatch : public SurfacePatch {
@@ -63,4 +63,4 @@ private:
   Scratch& scratch;
   float rates[4];
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -11,7 +11,7 @@
 #include "irregular_triangles.h"
 #include <algorithm>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 struct InvalidInput {
   size_t primitive;
   cbvh::InvalidVertex vertex;
@@ -56,4 +56,4 @@ inline bool findInvalid(const GridMesh* mesh, InvalidInput& out) {
   }
   return false;
 }
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -16,7 +16,7 @@
 #include "welded_vertices.h"
 #include <memory>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! The triangles of a mesh, by number. Triangle i of a triangle mesh is primitive i. Triangles 2 i and 2 i + 1 of a
  *  quad mesh are the halves of quad i, split as in Embree. The mesh must outlive the object. */
 class TrianglesOfMesh {
@@ -380,4 +380,4 @@ public:
   /*! Primitives that can be hit, set by prepare(), with the centers of their bounds. Users may reorder them. */
   mvector<cbvh::MeshCenter> centers;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

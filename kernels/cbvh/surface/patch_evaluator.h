@@ -10,7 +10,7 @@
 #include "../embree/scene.h"
 #include "patch_vertices.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class PatchEvaluator : public PatchVertices {
 public:
   explicit PatchEvaluator(Device* device) : PatchVertices(device), arrays(device, 0) {}
@@ -175,4 +175,4 @@ private:
   const unsigned* quads;
   float (*all)[3];
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -10,7 +10,7 @@
 #include "../../cvert/basics/vertices4.h"
 #include "../embree/scene.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! A rectangle of vertices of a patch: x0 to x1 along u and y0 to y1 along v, inclusive. */
 struct PatchPart {
   unsigned x0, x1, y0, y1;
@@ -56,4 +56,4 @@ protected:
 private:
   mvector<float> interleaved; //!< undisplaced, then displaced
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Call this before getHalfEdge(), which returns a half-edge of the next face if a face has no edges. */
 inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
@@ -156,4 +156,4 @@ inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfF
   }
   return sharp;
 }
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -9,7 +9,7 @@
 #include "../embree/scene.h"
 #include "../base/kinds.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 struct CompressionPlan {
   uint32_t surfaceNumber; //!< see base/surface_ids.h
   unsigned numTimeSteps;
@@ -78,4 +78,4 @@ private:
   cbvh::Kind blockKind = cbvh::Kind::CGRID;
   bool isCompressed;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <functional>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Positions: has position(vertex), at the first time step, and areEqual(a,b), for all steps. */
 template<typename Positions>
 class PositionTable {
@@ -112,4 +112,4 @@ private:
 
   mvector<uint64_t> slots;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

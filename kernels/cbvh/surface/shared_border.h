@@ -31,7 +31,7 @@
 #include "../../cvert/format/block.h"
 #include "patch_vertices.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 struct SharedVertex {
   float position[3]; //!< the owner's position; for grids the common position
   float stored[3];   //!< where all primitives store it
@@ -92,4 +92,4 @@ inline void shareBorder(const Patch& patch, unsigned step, unsigned quadsX, unsi
     }
   }
 }
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -93,7 +93,7 @@
 #include <functional>
 #include <type_traits>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Quads per side from which a mesh's grid is regular. Statistics count quads of narrower grids as irregular,
  *  whether they are stored in grids or mesh blocks. */
 static const unsigned minGridSide = 4;
@@ -182,4 +182,4 @@ constexpr bool isSource() {
   static_assert(Has<Write, S>(), "a source needs bool Writer::write(size_t primitive, Patch& patch)");
   return true;
 }
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -20,7 +20,7 @@
 #include <functional>
 #include <tuple>
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Positions: has the members that PositionTable requires, size() (number of grids), position(vertex,step) and
  *  forEachBorderEdge(grid,closure(a,b)) with entries a and b. */
 template<typename Positions>
@@ -213,4 +213,4 @@ private:
   const double maxError;
   std::vector<Stitched> stitched; //!< sorted by vertex
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -11,7 +11,7 @@
 #include "leaf_intersectors1.h"
 #include "point_query.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! Intersects leaves: blocks, and grids by Embree's intersector. */
 struct CompressedSubdivIntersector1 {
   typedef void Primitive;
@@ -158,4 +158,4 @@ private:
     }
   };
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -5,7 +5,7 @@
 
 #include "compressed_intersector1.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 DEFINE_INTERSECTOR1(BVH4CompressedSubdivIntersector1, CompressedSubdivTraversal1);
 DEFINE_INTERSECTOR1(BVH4CompressedMotionIntersector1, CompressedMotionTraversal1);
-}} // namespace embree::isa
+} // namespace embree::isa

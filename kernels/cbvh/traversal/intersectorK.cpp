@@ -17,7 +17,7 @@
 #include "../framed/framed_raysK.h"
 #endif
 
-namespace embree { namespace isa {
+namespace embree::isa {
 /*! The LeafIntersector of PacketTraversal: blocks, and Embree's grids for patches that are not compressed. */
 template<int K, typename Rays>
 class SubdivLeafIntersectorK {
@@ -232,4 +232,4 @@ DEFINE_INTERSECTOR16(BVH4CompressedMotionIntersector16, CompressedMotionIntersec
 DEFINE_INTERSECTORN(BVH4CompressedSubdivIntersectorN, BVHNIntersectorStreamPacketFallback<4>);
 DEFINE_INTERSECTORN(BVH4CompressedMotionIntersectorN, BVHNIntersectorStreamPacketFallback<4>);
 #endif
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -14,7 +14,7 @@
 #include "../framed/framed_rays1.h"
 #endif
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 #if defined(EMBREE_CBVH_NO_PAPER)
 /*! Replaces framed/framed_rays1.h in libraries without the paper's representations. */
 struct FramedRay {
@@ -55,4 +55,4 @@ __forceinline bool intersectMovingBlock(size_t type, RayType& ray, IntersectCont
   if (unlikely(type == MOVING_MESH_BLOCK)) return intersectMovingMesh(ray, context, vertRay, prim);
   return intersectMovingVert(ray, context, vertRay, (const VertHeader*)prim);
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

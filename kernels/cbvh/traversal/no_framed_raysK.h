@@ -7,7 +7,7 @@
 
 #include "../embree/traversal.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K>
 struct FramedRaysK {
   __forceinline explicit FramedRaysK(const vfloat<K>&) {}
@@ -18,4 +18,4 @@ struct FramedRaysK {
   }
   __forceinline void setFinalTfar(const vbool<K>&, vfloat<K>&) const {}
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

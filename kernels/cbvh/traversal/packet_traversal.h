@@ -10,7 +10,7 @@
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! LeafIntersector: a class for closest hit or any hit with
  *
  *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT, const Tray& tray,
@@ -117,4 +117,4 @@ private:
     return top;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -18,7 +18,7 @@
 #include "../stored/vertices_at_time.h"
 #include <initializer_list>
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 class PointQueryTraversal {
@@ -198,4 +198,4 @@ private:
 bool queryPoint(const BVH4* bvh, PointQuery* query, PointQueryContext* context) {
   return PointQueryTraversal(query, context)(bvh);
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -13,7 +13,7 @@
 #include <new>
 #include <unistd.h>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 std::atomic<unsigned> cacheGeneration(0);
 
 #if defined(_SC_LEVEL2_CACHE_SIZE)
@@ -86,4 +86,4 @@ template class ThreadCache<VertEntries>;
 template class ThreadCache<MotionEntries>;
 template class ThreadCache<MeshEntries>;
 template class ThreadCache<MeshMotionEntries>;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

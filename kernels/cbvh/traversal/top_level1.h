@@ -9,7 +9,7 @@
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /* Nodes of a tree. operator() returns the mask of children that the ray intersects, and their entry distances.
  * types: Embree's bits for the tree's types of nodes. */
 
@@ -136,4 +136,4 @@ __forceinline bool traverseAnyHit1(BVH4::NodeRef root, const Nodes& nodes, const
   }
   return false;
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -18,7 +18,7 @@
 #include "../embree/traversal.h"
 #include <limits>
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! True if origin and direction are finite, and tnear <= tfar. Other rays hit nothing. */
 __forceinline bool isValidRay(const Ray& ray) {
   const Vec3fa bound(pos_inf);
@@ -117,4 +117,4 @@ struct TopLevelRays : public TravRayK<K, true> {
     }
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -11,7 +11,7 @@
 #include "quad_corners.h"
 #include "cache.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 /*! vertSpacing with vector instructions. word: of the first cell. Reads 16 bytes at `corners`. */
@@ -121,4 +121,4 @@ private:
   const VertSpacing& spacing;
   const float* origin;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

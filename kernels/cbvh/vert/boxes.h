@@ -11,7 +11,7 @@
 #include "ray.h"
 #include "../../cvert/format/motion.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! A ray on the sheared axis. org: relative to the block's origin. slack: outward offset of planes. */
 template<typename Real>
 struct ShearedRay {
@@ -156,4 +156,4 @@ private:
     return decodeBounds(info, end.bounds, end.boundsUnit, end.spacing);
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 #include "../base/thread_cache.h"
 #include "tables.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! World positions or lattice coordinates of a cell's vertices: [axis][laneOfVertex]. Other lanes are undefined. */
 struct alignas(64) CellVertices {
   float at[3][VertTables::lanes];
@@ -154,4 +154,4 @@ typedef ThreadCache<VertEntries> VertCache;
 typedef ThreadCache<MotionEntries> MotionCache;
 extern template class ThreadCache<VertEntries>;
 extern template class ThreadCache<MotionEntries>;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

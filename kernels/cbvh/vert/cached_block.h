@@ -10,7 +10,7 @@
 #include "boxes.h"
 #include "decoder.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 class CachedVertBlock {
 public:
   /*! ray: a VertRay or VertRays, after set(). */
@@ -69,4 +69,4 @@ private:
   VertBlockEntry& entry;
   const size_t firstGroupIndex; //!< index of the entry of the group in lane 0
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -11,7 +11,7 @@
 #include "hits1.h"
 #include "mesh_decoder.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 static_assert(offsetof(MeshHeader, surface) == offsetof(VertHeader, surface) &&
                   offsetof(MeshHeader, primID) == offsetof(VertHeader, primID),
               "surface and primID must have the same offsets in both headers");
@@ -125,4 +125,4 @@ __forceinline SurfacePoint pointOfHit(const CachedMeshBlock& cached, const VertH
                                       const VertTriangle::Sides& sides) {
   return cached.point(g, index, clampParameter(sides.w1 / sides.sum), clampParameter(sides.w2 / sides.sum));
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

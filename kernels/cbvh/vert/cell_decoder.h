@@ -11,7 +11,7 @@
 #include "../base/codec_names.h"
 #include "../../cvert/format/block.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Converts x, y and z, 16 bits each, to float. Lane 3 contains the next 16 bits. */
 __forceinline vfloat4 coordinatesAt(const void* p) {
   return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p), _mm_setzero_si128())));
@@ -196,4 +196,4 @@ __noinline inline void addRemainders(const void* start, uint32_t remainders, con
       }
   }
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

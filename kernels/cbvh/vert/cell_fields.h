@@ -12,7 +12,7 @@
 #include "../base/codec_names.h"
 #include "../../cvert/format/cell.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 /*! Numbers of vectors: for all vertices of a cell, and for all but the last one. The last one has no field, but
@@ -128,4 +128,4 @@ private:
   }
 #endif
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

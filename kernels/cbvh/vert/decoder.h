@@ -10,7 +10,7 @@
 #include "box_decoder.h"
 #include "cell_decoder.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each word. high: the next 8
  *  bits, or null if all are 0. begin: offset of the first group's fields. words, fieldOffsets: output by lane;
  *  words must be aligned to 16 bytes. */
@@ -129,4 +129,4 @@ private:
   const uint32_t quadsX, quadsY;
   const VertSpacing spacing;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 #include "triangles.h"
 #include "../base/epilogues.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /* Access to a group of a cVERT block; cached_mesh.h and moving_mesh.h have overloads for mesh blocks. Cached: as
  * in VertIntersector1. g: lane of the group. index: of the triangle in the group, see VertTables::triangles. */
 
@@ -157,4 +157,4 @@ private:
   const VertHeader* block;
   const Cached& cached;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

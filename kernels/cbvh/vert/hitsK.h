@@ -12,7 +12,7 @@
 #include "../base/epilogues.h"
 #include <tuple>
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Ray k of a packet as the Target of VertHitReporter. */
 template<int K, typename Rays>
 struct VertTargetK {
@@ -231,4 +231,4 @@ private:
   const VertHeader* block;
   const CachedVertBlock& cached;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

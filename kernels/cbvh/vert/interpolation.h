@@ -7,7 +7,7 @@
 
 #include "../base/vectors.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! fraction: 0 at the beginning of the segment, 1 at its end. */
 struct Interpolator {
   const vfloatV weightOfBegin, weightOfEnd;
@@ -24,4 +24,4 @@ struct Interpolator {
       vfloatV::store(out + l, (*this)(vfloatV::load(a + l), vfloatV::load(b + l)));
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -11,7 +11,7 @@
 #include "hits1.h"
 #include "moving_block.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! A single ray as the Target of VertHitReporter. */
 template<typename RayType>
 struct VertTarget1 {
@@ -156,4 +156,4 @@ __noinline bool intersectMovingVert(RayType& ray, IntersectContext* context, Ver
   return VertIntersector1<RayType, MovingVertBlock>::intersect(ray, context, vertRay, block,
                                                                timeInMotion(motion, ray.time()));
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

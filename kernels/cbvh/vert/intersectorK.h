@@ -9,7 +9,7 @@
 #include "intersector1.h"
 #include "hitsK.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K, typename Rays>
 class VertIntersectorK {
 public:
@@ -177,4 +177,4 @@ private:
   uint32_t found;              //!< rays that accepted a hit
   alignas(64) float enter[16]; //!< lower bound of entry distances, by the group's lane
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -10,7 +10,7 @@
 #include "../../cvert/format/mesh_block.h"
 #include "cache.h"
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Entry of a block: the boxes of its groups, and where the groups' data begin. Group g is in lane g. */
 struct MeshBlockEntry : public GroupBoxes {
   const void* block;                                   //!< block that the entry belongs to, or null
@@ -110,4 +110,4 @@ typedef ThreadCache<MeshEntries> MeshCache;
 typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
 extern template class ThreadCache<MeshEntries>;
 extern template class ThreadCache<MeshMotionEntries>;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

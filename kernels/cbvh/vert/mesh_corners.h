@@ -11,7 +11,7 @@
 #include "mesh_cache.h"
 #include "ray.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Vertices of a group in the sheared space in which the ray is the z axis (cvert/rule/rule.h). capacity: at
  *  least the number of vertices. */
 template<int capacity>
@@ -119,4 +119,4 @@ __forceinline uint32_t trianglesHitByLine(const VertRay& ray, const MeshTriangle
   if (likely(triangles.numVertices <= 24)) return trianglesOfMeshHitByLine<24>(ray, triangles, sides);
   return trianglesOfMeshHitByLine<32>(ray, triangles, sides);
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -14,7 +14,7 @@
 #include "mesh_cache.h"
 #include <cmath>
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 class MeshDecoder {
@@ -630,4 +630,4 @@ protected:
 
   const MeshHeader* const block;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 #include "intersector1.h"
 #include "moving_mesh.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! As intersectVert. block: a MeshHeader. */
 template<typename RayType>
 __noinline bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
@@ -24,4 +24,4 @@ __noinline bool intersectMovingMesh(RayType& ray, IntersectContext* context, Ver
   return VertIntersector1<RayType, MovingMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block,
                                                                timeInMotion(motion, ray.time()));
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -8,7 +8,7 @@
 #include "hitsK.h"
 #include "mesh_intersector1.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K, typename Rays>
 class MeshIntersectorK {
 public:
@@ -51,4 +51,4 @@ private:
     return found;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -11,7 +11,7 @@
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 class MeshMotionDecoder : private MeshDecoder {
 public:
   __forceinline explicit MeshMotionDecoder(const MeshHeader* block)
@@ -236,4 +236,4 @@ private:
   const MeshHeader* const block;
   const uint32_t numGroups;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

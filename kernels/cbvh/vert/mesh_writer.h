@@ -11,7 +11,7 @@
 #include "../surface/irregular_triangles.h"
 #include "../../cvert/encoder/mesh_encoder.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class MeshWriter {
 public:
   static const uint32_t trianglesPerGroup = 16; //!< of a full group
@@ -98,4 +98,4 @@ private:
   cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles + 1]; //!< one more than clusters have
   alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
 };
-}} // namespace embree::isa
+} // namespace embree::isa

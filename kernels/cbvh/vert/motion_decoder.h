@@ -11,7 +11,7 @@
 #include "../base/codec_names.h"
 #include "../../cvert/decoder/step_view.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Base of CellDecoder for residuals alone. */
 struct ZeroBase {
   __forceinline vfloatV at(int, int) const { return vfloatV(zero); }
@@ -197,4 +197,4 @@ private:
   const VertLayout layout;
   const uint32_t quadsX, quadsY;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

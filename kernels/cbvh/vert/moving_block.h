@@ -12,7 +12,7 @@
 #include "interpolation.h"
 #include "motion_decoder.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 class MovingVertBlock {
 public:
   __forceinline MovingVertBlock(const VertRay&, const VertHeader* block, const TimeInMotion& at)
@@ -109,4 +109,4 @@ private:
   mutable GroupBoxes boxesAtTime;
   mutable CellVertices laneVertices;
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -10,7 +10,7 @@
 #include "interpolation.h"
 #include "mesh_motion_decoder.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 class MovingMeshBlock {
 public:
   /*! block: a MeshHeader, see cached_mesh.h. */
@@ -121,4 +121,4 @@ __forceinline SurfacePoint pointOfHit(const MovingMeshBlock& cached, const VertH
                                       const VertTriangle::Sides& sides) {
   return cached.point(g, index, clampParameter(sides.w1 / sides.sum), clampParameter(sides.w2 / sides.sum));
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

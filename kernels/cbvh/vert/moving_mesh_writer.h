@@ -9,7 +9,7 @@
 #include "../../cvert/encoder/mesh_motion_encoder.h"
 #include "mesh_writer.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class MovingMeshWriter {
 public:
   /*! The arguments must outlive the writer. */
@@ -99,4 +99,4 @@ private:
   std::vector<cbvh::StepBox> boxes;        //!< of the current block, by step
   std::vector<uint32_t> words;             //!< the encoded block
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -10,7 +10,7 @@
 #include "cell_fields.h"
 #include "../base/intrinsics.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! A number per vertex of a cell. With AVX-512, all 25 vertices fit into two vectors. */
 struct CellVector {
   vfloatV at[fieldVectors];
@@ -123,4 +123,4 @@ private:
   vfloatV right[5];
 #endif
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -14,7 +14,7 @@
 #include "../../cvert/rule/rule.h"
 #include "../embree/ray.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Members that VertRay and VertRays share: a ray, or rays in lanes, in world space. */
 template<typename Real>
 struct VertRayBase {
@@ -168,4 +168,4 @@ struct alignas(64) SidesInLanes {
     return sides;
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 VertTables::VertTables() {
   for (int lane = 0; lane < lanes; lane++) {
     const bool isVertex = lane < cellVertices;
@@ -61,4 +61,4 @@ void VertTables::setWindows(int bits) {
 }
 
 const VertTables vertTables;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

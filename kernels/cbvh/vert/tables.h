@@ -9,7 +9,7 @@
 #include "../embree/simd.h"
 #include <cstdint>
 
-namespace embree { namespace cbvh {
+namespace embree::cbvh {
 /*! Lane of the vertex in column i and row j of 5 x 5: the first four columns row by row, then the fifth column.
  *  Lanes 0 to 15 are the lower left corners of the quads. */
 __forceinline constexpr uint32_t laneOfVertex(uint32_t i, uint32_t j) { return i < 4 ? 4 * j + i : 20 + j; }
@@ -64,4 +64,4 @@ private:
 };
 
 extern const VertTables vertTables;
-}} // namespace embree::cbvh
+} // namespace embree::cbvh

@@ -10,7 +10,7 @@
 #include "mesh_corners.h"
 #include "ray.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! One triangle of a group, and the exact tests of cvert/rule/rule.h for it. */
 struct VertTriangle {
   typedef TriangleSides<float> Sides;
@@ -210,4 +210,4 @@ private:
                  nmadd(sy, z, vfloat<K>(group.at[ky][lane]) - orgY)};
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

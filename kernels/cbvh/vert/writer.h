@@ -18,7 +18,7 @@
 #include "../../cvert/encoder/numbers_encoder.h"
 #include "../../cvert/encoder/snapped_vertices.h"
 
-namespace embree { namespace isa {
+namespace embree::isa {
 class VertWriter {
 public:
   /*! The arguments must outlive the writer. */
@@ -285,4 +285,4 @@ private:
   std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block
   cbvh::NumbersEncoder numbers;
 };
-}} // namespace embree::isa
+} // namespace embree::isa

@@ -12,7 +12,7 @@
 #include <set>
 #include <unordered_set>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using namespace cbvh;
 
@@ -227,4 +227,4 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
   return out;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

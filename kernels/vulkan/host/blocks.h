@@ -9,7 +9,7 @@
 #include "memory.h"
 #include "kernels/cbvh/flat/flat_scene.h"
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 struct PlacedBlock {
   const cbvh::FlatBlock* block;
@@ -50,4 +50,4 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);
 /* Checks and uploads the blocks that are not on the device yet. */
 BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks);
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

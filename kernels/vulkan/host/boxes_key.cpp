@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 BoxesKey::BoxesKey(std::vector<VkAabbPositionsKHR> boxes)
   : shared(std::make_shared<const std::vector<VkAabbPositionsKHR>>(std::move(boxes))),
@@ -24,4 +24,4 @@ bool BoxesKey::operator==(const BoxesKey& other) const {
          std::memcmp(shared->data(), other.shared->data(), shared->size() * sizeof(VkAabbPositionsKHR)) == 0;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

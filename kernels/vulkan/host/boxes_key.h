@@ -8,7 +8,7 @@
 #include <vector>
 #include <vulkan/vulkan_core.h>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 /* Identifies a bottom level by its boxes. The hash only makes comparisons fast: if hashes are equal, the bytes of the
  * boxes decide, because rays would miss leaves in a structure over other boxes. Costs 24 bytes of memory per box. */
@@ -30,4 +30,4 @@ struct HashOfKey {
   size_t operator()(const BoxesKey& key) const { return size_t(key.hash()); }
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -17,7 +17,7 @@
 #include <unistd.h>
 #include <sys/stat.h>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 namespace {
 
 /* SPIR-V of glslc. The Float32 variants are for devices without shaderFloat64. */
@@ -346,4 +346,4 @@ void Device::writeCache() const {
   } catch (const std::exception&) {} // not an error: the next run compiles again
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

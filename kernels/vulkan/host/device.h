@@ -15,7 +15,7 @@
 #include <mutex>
 #include <tuple>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 enum Query { CLOSEST_HIT, ANY_HIT };
 
@@ -119,4 +119,4 @@ struct OrderArguments {
   uint32_t count, rayWords, shift;
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

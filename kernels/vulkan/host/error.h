@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 /* code: RTC_ERROR_NONE if the RTCDevice already received the error. */
 class VulkanError : public std::runtime_error {
@@ -19,4 +19,4 @@ public:
   const RTCError code;
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

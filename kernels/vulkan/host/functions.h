@@ -9,7 +9,7 @@
 
 #include <vulkan/vulkan_core.h>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 // clang-format off
 #define CBVH_INSTANCE_FUNCTIONS(F) \
@@ -88,4 +88,4 @@ struct DeviceFunctions {
 /* Throws VulkanError if `result` is an error. doing: for the message, for example "creating a fence". */
 void check(VkResult result, const std::string& doing);
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

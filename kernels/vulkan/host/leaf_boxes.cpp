@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using namespace cbvh;
 
@@ -158,4 +158,4 @@ std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
   return out;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -11,7 +11,7 @@
 
 #include <functional>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using cbvh::LeafBox;
 
@@ -27,4 +27,4 @@ struct LeafBoxes {
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
                                    const std::function<uint32_t(uint32_t)>& geomIDOf);
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

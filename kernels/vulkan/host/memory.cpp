@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 namespace {
 
 /* Returns the allowed memory type that has all needed flags and the most preferred ones. Throws VulkanError if there is
@@ -205,4 +205,4 @@ size_t Arena::bytes() const {
   return sum;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

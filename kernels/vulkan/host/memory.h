@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 class Buffer {
 public:
@@ -96,4 +96,4 @@ private:
   size_t shared = ~size_t(0); // index of that buffer, or all bits set
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 namespace {
 
 const char* nameOf(VkResult result) {
@@ -298,4 +298,4 @@ VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, co
   return device;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 /* The Vulkan loader and an instance. The constructor throws VulkanError if there is no loader or no working
  * driver. */
@@ -62,4 +62,4 @@ VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& s
 /* Creates a device with one compute queue, the required features, and the optional ones that it supports. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 namespace {
 
 /* Converts a 3x4 matrix from columns to Vulkan's rows. */
@@ -81,4 +81,4 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   statistics.structureBytes = out.topLevel->bytes + structureBytes;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

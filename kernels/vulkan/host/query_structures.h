@@ -13,7 +13,7 @@
 #include <map>
 #include <tuple>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using cbvh::PlacedBoxes;
 
@@ -62,4 +62,4 @@ private:
   std::vector<PlacedBoxes> placed;
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

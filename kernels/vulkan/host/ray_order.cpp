@@ -4,7 +4,7 @@
 #include "ray_order.h"
 #include "../ray_order.h"
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using namespace cbvh;
 
@@ -68,4 +68,4 @@ void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBu
   static_assert(orderPasses % 2 == 0, "the last pass must write to the beginning of scratch");
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

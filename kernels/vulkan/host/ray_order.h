@@ -8,7 +8,7 @@
 
 #include "scene.h"
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 /* Bytes of scratch memory for `count` rays: two arrays of pairs, and the counts of digits. Throws VulkanError if there
  * are too many rays. */
@@ -24,4 +24,4 @@ struct RaysToOrder {
  * beginning of scratch. pipelines: from Device::makeOrderPipelines. Records nothing if it throws. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <map>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using namespace cbvh;
 
@@ -487,4 +487,4 @@ void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, V
   }
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

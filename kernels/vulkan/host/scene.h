@@ -10,7 +10,7 @@
 #include "tree.h"
 #include "../scene_layout.h"
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 struct SceneOptions {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
@@ -50,4 +50,4 @@ private:
   BlockBuffers blocks;
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -10,7 +10,7 @@
 
 #include <embree3/rtcore_vulkan.h>
 
-namespace embree { namespace core {
+namespace embree::core {
 
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanDeviceInfo, hasRayQuery);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanDeviceHandles, hasRayQuery);
@@ -18,4 +18,4 @@ CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneArguments, previousScene);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanSceneStatistics, numUpdatedBoxes);
 CBVH_EXTENSIBLE_STRUCT(RTCVulkanTraceTimes, sortSeconds);
 
-}} // namespace embree::core
+} // namespace embree::core

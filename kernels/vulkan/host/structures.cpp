@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 /* --- structures of a device --------------------------------------------------------------- */
 
@@ -205,4 +205,4 @@ std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instanc
   return build.structure;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

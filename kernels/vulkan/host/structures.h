@@ -14,7 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 class Buffer;
 class Device;
@@ -72,4 +72,4 @@ BuildCounts buildBottomLevels(Device& device, std::vector<LevelRequest>& request
 /* instances: device address of VkAccelerationStructureInstanceKHR. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 namespace {
 
 constexpr uint32_t numStamps = 5; // timestamps: at the start, and after upload, sort, trace and download
@@ -115,4 +115,4 @@ Trace::~Trace() {
   if (queryPool) device.vk.DestroyQueryPool(device.handles.device, queryPool, nullptr);
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -7,7 +7,7 @@
 
 #include "scene.h"
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 /* The destructor waits for the device. */
 class Trace {
@@ -40,4 +40,4 @@ private:
   Device::Submission submission;
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -9,7 +9,7 @@
 #include <memory>
 #include <new>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 Bounds Bounds::empty() {
   const float inf = std::numeric_limits<float>::infinity();
@@ -210,4 +210,4 @@ Subtree Tree::join(const std::vector<Subtree>& subtrees) {
   return out;
 }
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 using cbvh::FlatNode;
 using cbvh::FlatMovingNode;
@@ -63,4 +63,4 @@ private:
   Subtree build(RTCDevice device, std::vector<TreePrimitive>& primitives, unsigned maxLeafSize);
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

@@ -10,7 +10,7 @@
 #include <memory>
 #include <mutex>
 
-namespace embree { namespace vulkan {
+namespace embree::vulkan {
 
 struct UploadedSurface;
 
@@ -39,4 +39,4 @@ private:
   std::map<uint64_t, std::weak_ptr<const UploadedSurface>> surfaces;
 };
 
-}} // namespace embree::vulkan
+} // namespace embree::vulkan

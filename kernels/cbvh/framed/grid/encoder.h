@@ -7,7 +7,7 @@
 
 #include "../block_statistics.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 class GridEncoder {
 public:
   GridEncoder(const BlockGeometry& geometry, Block* block, BlockStatistics&) : geometry(geometry), block(block) {}
@@ -30,4 +30,4 @@ private:
   const BlockGeometry& geometry;
   Block* block;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -9,7 +9,7 @@
 #include "../block.h"
 #include "../../embree/traversal.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 using namespace embree::cbvh;
 
 /*! Maps barycentric coordinates of triangles to face parameters, for Embree's triangle tests. Lanes are in the
@@ -87,4 +87,4 @@ template<typename Test>
 __forceinline bool testGridLeaf(const Block* block, uint32_t leaf, bool endsWithHit, const Test& test) {
   return GridLeaf<Test>(block, leaf, test).run(endsWithHit);
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

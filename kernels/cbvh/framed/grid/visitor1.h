@@ -8,7 +8,7 @@
 #include "../block_visitor1.h"
 #include "leaf.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Returns Embree's epilogue for M triangles of a block. */
 template<int M>
 __forceinline Intersect1EpilogMU<M, true> gridEpilog(RayHit& ray, IntersectContext* context, const Block* block) {
@@ -39,4 +39,4 @@ struct GridVisitor1 : public BlockVisitor1<RayType> {
         .intersect(this->ray, v0, v1, v2, mapUV, gridEpilog<M>(this->ray, this->context, this->block));
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -8,7 +8,7 @@
 #include "../block_visitorK.h"
 #include "leaf.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /* Embree's epilogue for M triangles and ray k of a packet. */
 template<int M, int K>
 __forceinline Intersect1KEpilogMU<M, K, true> gridEpilog(RayHitK<K>& rays, size_t k, IntersectContext* context,
@@ -60,4 +60,4 @@ private:
     return testGridLeaf(this->block, leaf, IsAnyHit<Rays>::value, Test{this->rays, this->context, this->block, k});
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

@@ -8,7 +8,7 @@
 #include "../block_visitor1.h"
 #include "crossing.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Returns (u,v), clamped to 0 to 1, at s[0] in lanes 0 and 1, at s[2] in lanes 2 and 3. Requires
  *  s[1] = s[0] and s[3] = s[2]. */
 __forceinline vfloat4 positionInLeaf(const NodeRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
@@ -57,4 +57,4 @@ __forceinline Crossing<float> crossDecodedLeaf(const NodeRay& ray, const NodeEnt
   x.event.near = x.event.changes || min(f0, f1) <= fused(0.25f, std::fabs(x.f.saddle), tolerance);
   return x;
 }
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

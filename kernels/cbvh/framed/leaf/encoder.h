@@ -10,7 +10,7 @@
 #include "group_encoder.h"
 #include "leaf_lanes.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 class LeafEncoder {
 public:
   /*! sharpSides: see BlockEncoder::encode(). The other arguments must outlive the object. */
@@ -150,4 +150,4 @@ private:
   BlockStatistics& statistics;
   double borderWidth = 0; //!< largest so far
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -8,7 +8,7 @@
 #include "lattice_encoder.h"
 #include "separate_encoder.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Returns the width of lips that the group needs, see borderWidthOf(). parent: as in encodeGroup(). */
 inline double requiredBorderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent) {
   double width = 0;
@@ -36,4 +36,4 @@ inline EncodedGroup encodeGroup(const NodeBox& parent, const QuadGroup& group) {
   out.borderWidth = requiredBorderWidth(group, out, parent);
   return out;
 }
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -8,7 +8,7 @@
 #include "../block_geometry.h"
 #include "quad_group.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 struct GroupLanes {
   Double4 vertices[9][3];
   Double4 lower[2], upper[2]; //!< bounds of each group's quads in x and y, see QuadGroup::boxes
@@ -37,4 +37,4 @@ struct GroupLanes {
     border[1][1] = y + 4 == side - 1 ? 12 : 0;
   }
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Smallest width of a cell relative to the group: limits extrapolation of its patch. */
 static constexpr double minCellWidth = 1.0 / 16;
 
@@ -275,4 +275,4 @@ inline bool encodeLattice(const NodeBox& parent, const QuadGroup& group, Encoded
   out.heights = packLattice(lattice.heights);
   return true;
 }
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -18,7 +18,7 @@
 #include "group_lanes.h"
 #include "lattice_encoder.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 class LatticeLanes {
 public:
   uint32_t encoded = 15;  //!< after encode(): mask of lanes with a lattice
@@ -483,4 +483,4 @@ private:
   Double4 unitSag[4];     //!< per cell: sag of a line that advances by 1 on both axes, see deviationRange()
   Double4 leafThickness;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

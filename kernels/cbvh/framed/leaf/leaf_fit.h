@@ -11,7 +11,7 @@
 #include "../block_geometry.h"
 #include "../normal.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Smallest cosine of the angle between the normals of a good leaf and its quad. */
 static constexpr double minNormalCosine = 0.7;
 
@@ -118,4 +118,4 @@ private:
     }
   };
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -9,7 +9,7 @@
 #include "lattice_lanes.h"
 #include "../block_statistics.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 class LeafLanes {
 public:
   /*! m: Morton index of the first group. parents: decoded boxes. All arguments must outlive the object. */
@@ -94,4 +94,4 @@ private:
   const LatticeLanes& lattices;
   Double4 world[9][3];
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -8,7 +8,7 @@
 #include "format.h"
 #include "../node_encoder.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! 2 x 2 quads in their block's frame, or the quarters of a block's only quad. */
 struct QuadGroup {
   double vertices[9][3]; //!< row by row
@@ -44,4 +44,4 @@ struct EncodedGroup {
   Heights heights;
   double borderWidth; //!< required, see borderWidthOf(); 0 away from the border
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Fits a plane to the vertices of a quad, by least squares. Sets z to its heights at corners (0,0), (1,0) and
  *  (0,1) of the box. */
 inline void fitLeafPlane(const NodeBox& box, const QuadGroup& group, int quad, double z[3]) {
@@ -105,4 +105,4 @@ inline EncodedGroup encodeSeparate(const NodeBox& parent, const QuadGroup& group
   out.heights = {uint32_t(heights), uint32_t(heights >> 32)};
   return out;
 }
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -7,7 +7,7 @@
 
 #include "crossing1.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<typename RayType>
 struct LeafVisitor1 : public BlockVisitor1<RayType> {
   typedef NodeEntries::LeafTile LeafTile;
@@ -103,4 +103,4 @@ private:
     return LeafHit1{s, u, v, flat ? 0.0f : slopeX, flat ? 0.0f : slopeY, from == sideAbove, from == sideBelow};
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

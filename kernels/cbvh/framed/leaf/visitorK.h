@@ -8,7 +8,7 @@
 #include "../block_visitorK.h"
 #include "crossing.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! See WalkState. */
 template<int K>
 struct WalkStates {
@@ -228,4 +228,4 @@ private:
 
   static __forceinline float between(const Crossing<float>& x, float k) { return fused(k, x.s1 - x.s0, x.s0); }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

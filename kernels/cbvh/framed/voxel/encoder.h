@@ -7,7 +7,7 @@
 
 #include "../block_statistics.h"
 
-namespace embree { namespace cbvh { inline namespace CBVH_ISA {
+namespace embree::cbvh { inline namespace CBVH_ISA {
 class VoxelEncoder {
 public:
   VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics)
@@ -29,4 +29,4 @@ private:
   const BlockGeometry& geometry;
   BlockStatistics& statistics;
 };
-}}} // namespace embree::cbvh::CBVH_ISA
+}} // namespace embree::cbvh::CBVH_ISA

@@ -7,7 +7,7 @@
 
 #include "../block_visitor1.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 /*! Rays hit a leaf where they enter its box, but not if they start inside: then they come from its surface, or
  *  are past it. */
 template<typename RayType>
@@ -32,4 +32,4 @@ private:
     return clamp((fused(s, this->nodeRay.D[axis], this->nodeRay.P[axis]) - lower) / (upper - lower), 0.0f, 1.0f);
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh

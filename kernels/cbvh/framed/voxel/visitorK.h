@@ -7,7 +7,7 @@
 
 #include "../block_visitorK.h"
 
-namespace embree { namespace isa { namespace cbvh {
+namespace embree::isa::cbvh {
 template<int K, typename Rays>
 struct VoxelVisitorK : public BlockVisitorK<K, Rays> {
   static const uint32_t kind = kindVoxel;
@@ -36,4 +36,4 @@ private:
     return min(max(at, vfloat<K>(zero)), vfloat<K>(1.0f));
   }
 };
-}}} // namespace embree::isa::cbvh
+} // namespace embree::isa::cbvh
