@@ -32,7 +32,7 @@ edited by hand.
 ## How do I reproduce a figure?
 
 Build the preset `release` and run the command. Programs named `cbvh_*` are below `build/release/tutorials`, programs
-named `test_*` and `beside_*` below `build/release/tests`. Scripts explain their arguments with `--help`. If the table
+named `test_*` and `capi_*` below `build/release/tests`. Scripts explain their arguments with `--help`. If the table
 omits options, look on the page that links to the figure. Figures without a command cannot be repeated, nor tables that
 name `body_hm08`: this model is not in the repository.
 

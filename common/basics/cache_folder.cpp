@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 
 std::string userCacheFolder() {
   const auto variable = [](const char* name) {
@@ -27,4 +27,4 @@ std::string userCacheFolder() {
   return (caches / "embree-cbvh").string();
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -20,4 +20,4 @@ struct Canceled : Error {
   Canceled() : Error("canceled") {}
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <sys/mman.h>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 namespace fs = std::filesystem;
 using cvert::OutputPath;
@@ -164,4 +164,4 @@ void removeEmptyOutputFolders() {
   createdFolders.clear();
 }
 
-} // namespace cbvh
+} // namespace programs

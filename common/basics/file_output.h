@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* At most one may exist at a time, because forceExitAfterCancel removes only one. Not thread-safe. */
 class PendingFile {
@@ -57,4 +57,4 @@ void prepareOutputFolder(const std::string& path);
 /* Removes folders that prepareOutputFolder created and that are empty. For programs that fail before they write. */
 void removeEmptyOutputFolders();
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cbvh {
+namespace programs {
 
 struct ArrayHash {
   template<size_t N>
@@ -25,4 +25,4 @@ inline uint64_t hashOfBytes(const void* data, size_t bytes, uint64_t hash = empt
   return hash;
 }
 
-} // namespace cbvh
+} // namespace programs

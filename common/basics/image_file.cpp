@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Redirects OpenImageIO's writers into a PendingFile, because they ignore errors when they close a file. */
@@ -67,4 +67,4 @@ void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::
 
 void requireImageFormat(const std::string& path) { createOutput(path); }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Writes an image, completely or not at all. The extension selects the format; the default is PNG. `type` describes
  * `pixels`. Throws Error with the path. */
@@ -16,4 +16,4 @@ void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::
 /* Throws Error with the path if OpenImageIO cannot write the format that the extension selects. */
 void requireImageFormat(const std::string& path);
 
-} // namespace cbvh
+} // namespace programs

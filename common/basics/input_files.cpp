@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <utility>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 using FileIdentity = std::pair<dev_t, ino_t>;
@@ -46,4 +46,4 @@ void requireNoInputFile(const std::string& path) {
   throw Error(path + ": would replace " + input + ": expected another name");
 }
 
-} // namespace cbvh
+} // namespace programs

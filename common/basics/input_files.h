@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Records a file that the run reads, by device and inode. Ignores missing files, devices and pipes. */
 void recordInputFile(const std::string& path);
@@ -16,4 +16,4 @@ void recordInputFile(const std::string& path);
  * exists. */
 void requireNoInputFile(const std::string& path);
 
-} // namespace cbvh
+} // namespace programs

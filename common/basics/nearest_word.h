@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 inline size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<size_t> costs(b.size() + 1), previous(b.size() + 1);
@@ -35,4 +35,4 @@ inline std::string nearestWord(const std::string& word, const std::vector<std::s
   return nearest;
 }
 
-} // namespace cbvh
+} // namespace programs

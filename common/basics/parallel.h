@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Returns `requested`, or the number of hardware threads if `requested` is 0. */
 inline unsigned threadCount(int requested) {
@@ -51,4 +51,4 @@ void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body) {
   throwIfCanceled();
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr std::chrono::seconds longestWait{10}; // for a program that opens the pipe for writing
@@ -63,4 +63,4 @@ PipeInput::int_type PipeInput::underflow() {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <streambuf>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 bool isPipe(const std::string& path);
 
@@ -32,4 +32,4 @@ private:
   std::array<char, 1 << 16> buffer;
 };
 
-} // namespace cbvh
+} // namespace programs

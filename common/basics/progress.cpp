@@ -14,7 +14,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 volatile std::sig_atomic_t signalFlag = 0;
@@ -121,4 +121,4 @@ void Phase::print(bool final) {
   std::fflush(stderr);
 }
 
-} // namespace cbvh
+} // namespace programs

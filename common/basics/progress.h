@@ -12,7 +12,7 @@
 #include <mutex>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Makes the first Ctrl-C (SIGINT) or SIGTERM request cancellation. A second one of the same kind ends the
  * process. */
@@ -72,4 +72,4 @@ private:
   int percent = 0;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <random>
 
-namespace cbvh {
+namespace programs {
 
 /* Uniform in [0,1). */
 inline float uniform(std::mt19937& random) { return float(random() >> 8) * 0x1p-24f; }
@@ -39,4 +39,4 @@ inline Vec3f uniformDirection(std::mt19937& random) {
   return directionAround({0, 0, 1}, z, angle);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <ctime>
 
-namespace cbvh {
+namespace programs {
 
 /* Wall-clock time of run(), in seconds. */
 template<typename Run>
@@ -30,4 +30,4 @@ double processorSecondsOf(clockid_t clock, const Run& run) {
   return now() - before;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 SettingNames current = SettingNames::Options;
@@ -21,4 +21,4 @@ std::string settingName(const std::string& words) {
   return name;
 }
 
-} // namespace cbvh
+} // namespace programs

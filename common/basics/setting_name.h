@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 enum class SettingNames {
   Options,  // --frame-level
@@ -20,4 +20,4 @@ void setSettingNames(SettingNames names);
 /* `words` is in lower case with hyphens, "frame-level". */
 std::string settingName(const std::string& words);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Converts A to Z only, unlike std::tolower, which depends on the locale: a Turkish one does not convert I to i. */
 inline std::string lowerCase(std::string text) {
@@ -22,4 +22,4 @@ inline std::string shortNumber(float value) {
   return text;
 }
 
-} // namespace cbvh
+} // namespace programs

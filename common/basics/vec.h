@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cbvh {
+namespace programs {
 
 struct Vec2f {
   float x = 0, y = 0;
@@ -102,4 +102,4 @@ struct Box3f {
   float diagonal() const { return length(upper - lower); }
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <set>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 bool onProgress(void* phase, double fraction) {
@@ -305,4 +305,4 @@ std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings)
   return vertices;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Each quad is the triangles 00, 10, 01 and 01, 10, 11. */
 struct StoredMesh {
@@ -137,4 +137,4 @@ private:
  * the bit. Throws Error. */
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

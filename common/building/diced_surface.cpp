@@ -15,7 +15,7 @@
 #include <system_error>
 #include <unordered_map>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Identifies points that several patches share: vertices, points on edges, and in n-gons points on spokes and
@@ -259,4 +259,4 @@ GeometryHandle makeIndexedGeometry(EmbreeDevice& device, const QuadMesh& mesh, b
   return geometry;
 }
 
-} // namespace cbvh
+} // namespace programs

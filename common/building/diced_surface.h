@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* The form in which a surface is passed to Embree:
  * - "grids": one grid per patch; "grids:N": grids of N x N quads;
@@ -67,4 +67,4 @@ private:
   std::vector<unsigned> first;  // per vertex: the first vertex at the same position
 };
 
-} // namespace cbvh
+} // namespace programs

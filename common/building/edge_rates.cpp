@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 float EdgeRates::level(const Copy& copy, unsigned face, float u, float v) const {
   const float level = interpolate(&copy.levels[firstIndex[face]], sizes[face], FacePoint{face, u, v});
@@ -51,4 +51,4 @@ size_t countQuads(const Cage& cage, const std::vector<float>& rates) {
   return quads;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct EdgeRates {
   struct Copy {
@@ -34,4 +34,4 @@ void setLevels(const Cage& cage, EdgeRates& rates);
 /* Quads of a copy, including holes. `rates` holds one value per face index. */
 size_t countQuads(const Cage& cage, const std::vector<float>& rates);
 
-} // namespace cbvh
+} // namespace programs

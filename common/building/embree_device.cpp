@@ -6,7 +6,7 @@
 #include "basics/error.h"
 #include "basics/progress.h"
 
-namespace cbvh {
+namespace programs {
 
 void MemoryMonitor::count(ssize_t bytes) {
   const ssize_t now = liveBytes.fetch_add(bytes) + bytes;
@@ -62,4 +62,4 @@ bool EmbreeDevice::onMemory(void* self, ssize_t bytes, bool) {
   return true;
 }
 
-} // namespace cbvh
+} // namespace programs

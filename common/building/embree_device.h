@@ -14,7 +14,7 @@
 #include <mutex>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 class MemoryMonitor {
 public:
@@ -76,4 +76,4 @@ T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTC
   return static_cast<T*>(data);
 }
 
-} // namespace cbvh
+} // namespace programs

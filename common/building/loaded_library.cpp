@@ -9,7 +9,7 @@
 
 #include <dlfcn.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* A wheel's library has another file name, and its functions have other names, see scripts/packaging/wheel.cmake. */
@@ -70,4 +70,4 @@ void requireCompression() {
               "; expected the folder of Embree CBVH's libembree3.so.3 first in LD_LIBRARY_PATH");
 }
 
-} // namespace cbvh
+} // namespace programs

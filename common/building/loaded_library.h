@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct LoadedLibrary {
   std::string path;
@@ -24,4 +24,4 @@ LoadedLibrary loadedLibrary();
 /* Throws Error with the loaded library and a remedy if Embree CBVH's functions are missing. */
 void requireCompression();
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Names in the file systems of control groups. */
@@ -76,4 +76,4 @@ size_t availableMemory(const std::string& root) {
   return available;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct BuildSize {
   BuildSize(size_t quads, size_t timeSteps = 1) : quads(quads), timeSteps(timeSteps) {}
@@ -27,4 +27,4 @@ size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size);
  * `root` is the folder of proc and sys. */
 size_t availableMemory(const std::string& root = "");
 
-} // namespace cbvh
+} // namespace programs

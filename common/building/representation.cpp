@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct Names {
@@ -169,4 +169,4 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
   return result;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 enum class RepresentationKind {
   Naive, // two triangles per quad in Embree's triangle BVH
@@ -88,4 +88,4 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
 /* Accepts "auto" or 0 to maxLevel. Throws Error. */
 int parseFrameLevel(const std::string& text);
 
-} // namespace cbvh
+} // namespace programs

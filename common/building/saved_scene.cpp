@@ -12,7 +12,7 @@
 #include <chrono>
 #include <ctime>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct FileRelease {
@@ -87,4 +87,4 @@ SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const {
   return hit;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct FileWriterRelease {
   void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
@@ -56,4 +56,4 @@ private:
   double opening = 0, openingProcessorSeconds = 0;
 };
 
-} // namespace cbvh
+} // namespace programs

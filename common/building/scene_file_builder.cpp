@@ -9,7 +9,7 @@
 
 #include <chrono>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 class InputKey {
@@ -118,4 +118,4 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   return report;
 }
 
-} // namespace cbvh
+} // namespace programs

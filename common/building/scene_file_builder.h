@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct FileBuildReport {
   size_t geometries = 0, found = 0; // found: in the file of an interrupted build
@@ -25,4 +25,4 @@ struct FileBuildReport {
 FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings,
                             const std::string& path);
 
-} // namespace cbvh
+} // namespace programs

@@ -3,7 +3,7 @@
 
 #include "building/scene_tracer.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 RTCIntersectContext coherentContext() {
@@ -38,4 +38,4 @@ void PacketTracer::occluded(RTCRay* rays, size_t n) const {
   rtcOccluded1M(scene, &context, rays, unsigned(n), sizeof(RTCRay));
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include <cstddef>
 
-namespace cbvh {
+namespace programs {
 
 /* One way to trace rays through a committed scene, which must outlive the tracer. */
 class SceneTracer {
@@ -44,4 +44,4 @@ private:
   RTCScene scene;
 };
 
-} // namespace cbvh
+} // namespace programs

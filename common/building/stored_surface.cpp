@@ -12,7 +12,7 @@
 
 #include <cstring>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 bool hasTriangles(const Representation& r) {
@@ -66,4 +66,4 @@ StoredMesh BuiltScene::storedMesh(float time) const {
   return std::move(collector.mesh);
 }
 
-} // namespace cbvh
+} // namespace programs

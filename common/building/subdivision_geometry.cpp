@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Rounds a parameter to a multiple of 2^-16. Embree's grids may end a face at 0.99999994 instead of 1. Displacements
@@ -165,4 +165,4 @@ GeometryHandle SharedTopology::makeGeometry(const Placement& placement, Displace
   return handle;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <atomic>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Progress by displaced points, because stock Embree calls its progress monitor only after the tessellation. */
 class TessellationProgress {
@@ -92,4 +92,4 @@ private:
   std::vector<Buffer> buffers;
 };
 
-} // namespace cbvh
+} // namespace programs

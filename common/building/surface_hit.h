@@ -7,7 +7,7 @@
 
 #include <embree3/rtcore.h>
 
-namespace cbvh {
+namespace programs {
 
 /* A hit of any representation, with face and (u,v) as GRID reports them. */
 struct SurfaceHit {
@@ -19,4 +19,4 @@ struct SurfaceHit {
   bool hit() const { return t < INFINITY; }
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 
 #include <embree3/rtcore.h>
 
-namespace cbvh {
+namespace programs {
 
 class VulkanTracer;
 
@@ -38,4 +38,4 @@ public:
   }
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Quads that keep smooth shapes round: the 64 chords of an arc of a right angle deviate by 1/20000 of its length. */
@@ -113,4 +113,4 @@ float highestRate(const std::vector<Representation>& representations) {
   return highest;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -12,7 +12,7 @@
 #include <memory>
 #include <optional>
 
-namespace cbvh {
+namespace programs {
 
 struct ViewDicing {
   float quadSize = 1; // pixels
@@ -32,4 +32,4 @@ BuildSettings settingsForView(BuildSettings settings, const Model& model, const 
 /* Highest edge rate that all these representations support. */
 float highestRate(const std::vector<Representation>& representations);
 
-} // namespace cbvh
+} // namespace programs

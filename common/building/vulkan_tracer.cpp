@@ -13,7 +13,7 @@
 #include <chrono>
 #include <map>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 const std::string rayQueryName = "ray-query";
@@ -143,4 +143,4 @@ std::shared_ptr<void> keepTraceDeviceOpen(const std::string& device) {
 
 #endif
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct VulkanSceneReport {
   std::string device; // names of device and driver
@@ -51,4 +51,4 @@ std::shared_ptr<void> keepTraceDeviceOpen(const std::string& device);
 /* Throws Error unless this build supports makeTracer(name). */
 void validateTraceDevice(const std::string& name);
 
-} // namespace cbvh
+} // namespace programs

@@ -4,7 +4,7 @@
 #include "measure/aim_points.h"
 #include "basics/sampling.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Each point is on a row (or with probability 1/2 a column) of a random patch: the first, the last, a border of a
  * block, or any. */
@@ -39,4 +39,4 @@ AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& verti
   return points;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* A vertex of GRID, to the bit. */
 struct AimPoint {
@@ -28,4 +28,4 @@ using AimPoints = std::array<std::vector<AimPoint>, numAimKinds>;
 /* Picks at most `count` points of each kind. `vertices` come from tessellate(). */
 AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed);
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace cbvh {
+namespace programs {
 
 struct BlockGrid {
   const PatchLayout& layout;
@@ -19,4 +19,4 @@ struct BlockGrid {
   size_t blockWidth() const { return size_t(1) << std::max(0, level - frameLevel); }
 };
 
-} // namespace cbvh
+} // namespace programs

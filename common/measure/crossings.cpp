@@ -7,7 +7,7 @@
 
 #include <mutex>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct CountingContext : RTCIntersectContext {
@@ -59,4 +59,4 @@ CrossingCounts countCrossings(const BuiltScene& grid, const BuiltScene& scene, c
   return all;
 }
 
-} // namespace cbvh
+} // namespace programs

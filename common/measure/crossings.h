@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct CrossingCounts {
   size_t rays = 0;
@@ -23,4 +23,4 @@ struct CrossingCounts {
 CrossingCounts countCrossings(const BuiltScene& grid, const BuiltScene& scene, const std::vector<Ray>& rays,
                               unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

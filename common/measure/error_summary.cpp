@@ -4,7 +4,7 @@
 #include "measure/error_summary.h"
 #include "measure/quantiles.h"
 
-namespace cbvh {
+namespace programs {
 
 double rootOfMean(double sumOfSquares, size_t n) { return n ? std::sqrt(sumOfSquares / double(n)) : 0.0; }
 
@@ -32,4 +32,4 @@ ErrorSummary ErrorSamples::summary() {
   return s;
 }
 
-} // namespace cbvh
+} // namespace programs

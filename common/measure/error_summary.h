@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct ErrorSummary {
   /* Distances, in pixels at the hit. */
@@ -40,4 +40,4 @@ private:
   size_t flipped = 0, otherPatch = 0;
 };
 
-} // namespace cbvh
+} // namespace programs

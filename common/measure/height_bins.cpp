@@ -6,7 +6,7 @@
 #include "measure/hit_metrics.h"
 #include "measure/quantiles.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 using Corners = std::array<Vec3d, 4>; // (0,0), (1,0), (0,1), (1,1)
@@ -105,4 +105,4 @@ HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits,
   return result;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -15,7 +15,7 @@
 
 #include <array>
 
-namespace cbvh {
+namespace programs {
 
 struct HeightBins {
   size_t hits = 0;
@@ -29,4 +29,4 @@ struct HeightBins {
 HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits, const BlockGrid& blocks,
                       unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

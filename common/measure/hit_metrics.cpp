@@ -3,7 +3,7 @@
 
 #include "measure/hit_metrics.h"
 
-namespace cbvh {
+namespace programs {
 
 std::vector<float> pixelErrors(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits,
                                float footprint) {
@@ -59,4 +59,4 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   return result;
 }
 
-} // namespace cbvh
+} // namespace programs

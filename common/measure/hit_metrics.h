@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Errors of rays that hit in both. */
 struct HitErrors : ErrorSummary {
@@ -47,4 +47,4 @@ constexpr float backgroundError = -3.0f;
 std::vector<float> pixelErrors(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits,
                                float footprint);
 
-} // namespace cbvh
+} // namespace programs

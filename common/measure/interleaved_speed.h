@@ -17,7 +17,7 @@
 #include <random>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 enum class TimedQuery { Single, Packets, AnyHit };
 
@@ -92,4 +92,4 @@ private:
   }
 };
 
-} // namespace cbvh
+} // namespace programs

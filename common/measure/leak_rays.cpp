@@ -12,7 +12,7 @@
 #include <atomic>
 #include <limits>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr size_t raysPerPoint = 8;
@@ -237,4 +237,4 @@ LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& 
   return sum;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct LeakSettings {
   size_t rays = 1000000;  // approximate
@@ -47,4 +47,4 @@ struct LeakCounts {
 LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& points, const LeakSettings& settings,
                       unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 float medianQuadSize(ImageSize size, const std::vector<SurfaceHit>& hits, int level) {
   constexpr size_t fewest = 16; // pixels
@@ -26,4 +26,4 @@ float medianQuadSize(ImageSize size, const std::vector<SurfaceHit>& hits, int le
   return *middle;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Nearest rank. Reorders the values. Returns 0 if there are none. */
 inline double quantile(std::vector<float>& values, double q) {
@@ -33,4 +33,4 @@ inline double interquartileRange(std::vector<double> values) {
   return values[values.size() - 1 - quarter] - values[quarter];
 }
 
-} // namespace cbvh
+} // namespace programs

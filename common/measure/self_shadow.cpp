@@ -6,7 +6,7 @@
 #include "basics/sampling.h"
 #include "tracing/ray_conversion.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr size_t chunk = 1024;
@@ -193,4 +193,4 @@ std::vector<float> ambientOcclusion(const TracedHits& tested, const PrimaryRays&
   return light;
 }
 
-} // namespace cbvh
+} // namespace programs

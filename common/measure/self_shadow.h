@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* How secondary rays avoid the surface that they leave, as in renderers. */
 struct RayOffset {
@@ -78,4 +78,4 @@ ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& tested
 std::vector<float> ambientOcclusion(const TracedHits& tested, const PrimaryRays& primary,
                                     const ShadowSettings& settings, unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

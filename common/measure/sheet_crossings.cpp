@@ -14,7 +14,7 @@
 #include <random>
 #include <utility>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr int cageQuads = 4;          // per side
@@ -237,4 +237,4 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
   return all;
 }
 
-} // namespace cbvh
+} // namespace programs

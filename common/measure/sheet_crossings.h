@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct SheetSettings {
   size_t rays = 1000000;
@@ -58,4 +58,4 @@ RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompressi
 SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const SheetSettings& settings,
                            unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

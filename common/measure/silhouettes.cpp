@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits,
                                             const Camera& camera) {
@@ -29,4 +29,4 @@ std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, con
   return found;
 }
 
-} // namespace cbvh
+} // namespace programs

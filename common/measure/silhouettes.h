@@ -13,11 +13,11 @@
 #include <cstddef>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Indices of hits whose 3 x 3 neighbors all see the plane of the hit, to 3 pixel widths along their rays. Excludes
  * the border of the picture. `primary` and `hits` hold one entry per pixel, in rows. */
 std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits,
                                             const Camera& camera);
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* A ratio says nothing if its rounds differ by more than this fraction. */
 constexpr double mostRoundDifference = 0.1;
@@ -39,4 +39,4 @@ struct SpeedRounds {
   double differenceFrom(double ratio) const { return std::abs(ratio / median(ratios()) - 1.0); }
 };
 
-} // namespace cbvh
+} // namespace programs

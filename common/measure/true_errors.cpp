@@ -8,7 +8,7 @@
 
 #include <random>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* In pixels unless stated otherwise. */
@@ -99,4 +99,4 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   return result;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct TrueErrors : ErrorSummary {
   size_t hits = 0;
@@ -41,4 +41,4 @@ struct TrueView {
 TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout,
                                 unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr float end = 5.0f; // of the scale, in pixels
@@ -81,4 +81,4 @@ Image errorPicture(ImageSize size, const std::vector<float>& errors, float quadP
   return image;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <exception>
 #include <stdexcept>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Redirects OpenEXR into a PendingFile, because a destructor writes the last part and ignores errors. */
@@ -46,4 +46,4 @@ void writeExrFile(const std::string& path, const Imf::Header& header, const Imf:
   file.commit();
 }
 
-} // namespace cbvh
+} // namespace programs

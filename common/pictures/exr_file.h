@@ -10,9 +10,9 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Writes completely or not at all. Throws Error with the path. */
 void writeExrFile(const std::string& path, const Imf::Header& header, const Imf::FrameBuffer& frame, int lines);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 uint8_t encodeSrgb(float linear) {
@@ -23,4 +23,4 @@ void Image::set(size_t pixel, Vec3f color) {
   rgb[3 * pixel + 2] = encodeSrgb(color.z);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* 8-bit sRGB, rows from the top. */
 struct Image {
@@ -23,4 +23,4 @@ struct Image {
   std::vector<uint8_t> rgb;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-namespace cbvh {
+namespace programs {
 
 void writePng(const std::string& path, const Image& image) {
   const OIIO::ImageSpec spec(image.size.width, image.size.height, 3, OIIO::TypeDesc::UINT8);
@@ -63,4 +63,4 @@ void writeExr(const std::string& path, ImageSize whole, const Crop& part, const 
   writeExrFile(path, header, frame, size.height);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Throws Error with the path. */
 void writePng(const std::string& path, const Image& image);
@@ -27,4 +27,4 @@ void writePng(const std::string& path, const Image& image);
 void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors,
               const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct Glyph {
@@ -62,4 +62,4 @@ void drawLabel(Image& image, int x, int y, int scale, const std::string& text) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

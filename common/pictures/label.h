@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 constexpr int labelHeight = 9, labelAdvance = 6; // of a character, in dots; two rows are below the baseline
 
@@ -22,4 +22,4 @@ void drawLabel(Image& image, int x, int y, int scale, const std::string& text);
 /* Fills a rectangle. `color` is linear. */
 void fillRectangle(Image& image, int x, int y, int width, int height, Vec3f color);
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 /* The additive sequence of the plastic number: any prefix fills a square evenly. */
 Vec2f sampleOffset(int i) {
@@ -65,4 +65,4 @@ SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, co
   return picture;
 }
 
-} // namespace cbvh
+} // namespace programs

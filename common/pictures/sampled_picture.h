@@ -14,7 +14,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Position of sample i, in pixels from the center of the pixel. Sample 0 is the center. */
 Vec2f sampleOffset(int i);
@@ -52,4 +52,4 @@ SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, co
                               const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits, int samples,
                               const Shutter& shutter, HitColors colors, unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

@@ -4,7 +4,7 @@
 #include "pictures/shading.h"
 #include "measure/hit_metrics.h"
 
-namespace cbvh {
+namespace programs {
 
 HitShader::HitShader(Vec3f middle, Vec3f up, HitColors colors) : up(up), colors(colors) {
   const Vec3f side = normalize(cross(middle, up));
@@ -65,4 +65,4 @@ Image errorHeatMap(ImageSize size, const std::vector<float>& errors) {
   return image;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 enum class HitColors {
   Neutral, // gray from both sides
@@ -46,4 +46,4 @@ Vec3f errorColor(float error);
  * misses, white for the background. `errors` is a result of pixelErrors. */
 Image errorHeatMap(ImageSize size, const std::vector<float>& errors);
 
-} // namespace cbvh
+} // namespace programs

@@ -21,7 +21,7 @@
 #include <system_error>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 inline std::string nearestOption(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
@@ -148,4 +148,4 @@ inline std::vector<Representation> parseRepresentationOptions(const std::string&
   return representations;
 }
 
-} // namespace cbvh
+} // namespace programs

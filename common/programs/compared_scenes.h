@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct ComparedScenes {
   std::vector<std::string> scenes{"trex", "frog", "cube"};
@@ -74,4 +74,4 @@ struct ComparedScenes {
   std::string deviceConfig() const { return isa.empty() ? "" : "isa=" + isa; }
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace cbvh {
+namespace programs {
 
 inline nlohmann::json compressionJson(const RTCCompressionStatistics& s) {
   return {{"top_level_bytes", s.topLevelBytes},
@@ -31,4 +31,4 @@ inline nlohmann::json compressionJson(const RTCCompressionStatistics& s) {
           {"flipped_quads", s.numFlippedQuads}};
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace cbvh {
+namespace programs {
 
 inline nlohmann::json summaryJson(const ErrorSummary& e) {
   return {{"rmse_pixels", e.rmse},
@@ -57,4 +57,4 @@ inline nlohmann::json heightBinsJson(const HeightBins& b) {
           {"inlier_rmse_pixels", b.inlierRmse}};
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,11 +7,11 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Replaces bytes that are not UTF-8, as file names may contain some. Ends with a line feed. */
 inline std::string textOfJson(const nlohmann::json& json, int indentation) {
   return json.dump(indentation, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 bool hasExtension(const char* extension, const std::string& path) {
@@ -82,4 +82,4 @@ void applyFileArguments(const std::vector<std::string>& files, SceneSettings& sc
   if (!named.heightPath.empty()) scene.heightPath = named.heightPath;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Returns the settings for one file of compressed surfaces (.cbvh), or for a cage (OBJ) and a height map (any other
  * file) in any order. A cage resets the current map; a map alone belongs to the current cage. `current` describes
@@ -22,4 +22,4 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
  * map. */
 void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene);
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <map>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,4 +59,4 @@ void requireWritable(const std::vector<Output>& outputs) {
     } catch (const Error& e) { throw Error(output.option + " " + e.what()); }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Output {
   std::string option, path;
@@ -24,4 +24,4 @@ void requireFolders(const std::vector<Output>& outputs);
 /* The same for every output that cannot be written. To be called before long work. */
 void requireWritable(const std::vector<Output>& outputs);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include "programs/warnings.h"
 #include "scenes/catalogue.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Prints warnings on stderr. */
 inline Model loadProgramScene(const std::string& program, const SceneSettings& settings) {
@@ -16,4 +16,4 @@ inline Model loadProgramScene(const std::string& program, const SceneSettings& s
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <exception>
 #include <new>
 
-namespace cbvh {
+namespace programs {
 
 int runProgram(const char* name, const std::function<int()>& run) {
   std::signal(SIGXFSZ, SIG_IGN); // writes beyond a file size limit then fail
@@ -29,4 +29,4 @@ int runProgram(const char* name, const std::function<int()>& run) {
   return 1;
 }
 
-} // namespace cbvh
+} // namespace programs

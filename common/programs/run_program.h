@@ -5,10 +5,10 @@
 
 #include <functional>
 
-namespace cbvh {
+namespace programs {
 
 /* Returns the result of `run`, 130 after a cancellation, or 1 after an error, which prints one line on stderr that
  * starts with `name`. A failure to write standard output is an error. */
 int runProgram(const char* name, const std::function<int()>& run);
 
-} // namespace cbvh
+} // namespace programs

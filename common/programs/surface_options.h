@@ -16,7 +16,7 @@
 #include <system_error>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Parses "3" or "3x2". Throws Error. */
 inline Vec2f parseRepeat(const std::string& text) {
@@ -142,4 +142,4 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings) {
       ->type_name("DIR");
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <charconv>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr float fieldOfView = 35.0f;
@@ -158,4 +158,4 @@ Model boxModel(const std::string& name, const Box3f& b, const std::string& up) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

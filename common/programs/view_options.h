@@ -11,7 +11,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* "WIDTHxHEIGHT". Throws Error. */
 ImageSize parseImageSize(const std::string& text);
@@ -41,4 +41,4 @@ Camera chooseCamera(const std::string& view, const Model& model, const TracedSce
  * Throws Error if the box is empty. */
 Model boxModel(const std::string& name, const Box3f& bounds, const std::string& up = "");
 
-} // namespace cbvh
+} // namespace programs

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 inline std::string prefixLines(const std::string& prefix, const std::string& warnings) {
   std::istringstream lines(warnings);
@@ -52,4 +52,4 @@ inline void printWarnings(const std::string& program, const std::string& warning
   std::fputs(prefixLines(program + ": warning: ", warnings).c_str(), stderr);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr int padding = 4; // texels around each chart
@@ -148,4 +148,4 @@ std::string fingerprint(const Cage& cage) {
   return text;
 }
 
-} // namespace cbvh
+} // namespace programs

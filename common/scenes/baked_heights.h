@@ -13,7 +13,7 @@
 #include <functional>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct LimitPoint {
   unsigned face;
@@ -43,4 +43,4 @@ std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSiz
 
 std::string fingerprint(const Cage& cage);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 void addQuad(Cage& cage, unsigned a, unsigned b, unsigned c, unsigned d) {
@@ -80,4 +80,4 @@ void appendBall(Cage& cage, Vec3f center, float radius, int steps) {
         }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Cross-section of a tube: an ellipse with half axes a and b, counterclockwise as seen from the next station. */
 struct Station {
@@ -33,4 +33,4 @@ void appendHorn(Cage& cage, const Horn& horn);
 /* A cube with steps x steps quads per side, made round. */
 void appendBall(Cage& cage, Vec3f center, float radius, int steps);
 
-} // namespace cbvh
+} // namespace programs

@@ -25,7 +25,7 @@
 #include <cmath>
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage) {
@@ -255,4 +255,4 @@ Model loadScene(const SceneSettings& given, std::string& warnings) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

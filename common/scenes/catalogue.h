@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct SceneSettings {
   std::string scene;      // one of sceneNames(); empty for a cage or a mesh
@@ -57,4 +57,4 @@ void validateScale(const std::optional<float>& amplitude, const std::optional<fl
 /* Generates or reads a model and validates its cage. Appends lines to `warnings`. Throws Error. */
 Model loadScene(const SceneSettings& settings, std::string& warnings);
 
-} // namespace cbvh
+} // namespace programs

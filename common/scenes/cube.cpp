@@ -3,7 +3,7 @@
 
 #include "scenes/cube.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* 3 x 3 spikes, flat at the borders of a face. */
@@ -45,4 +45,4 @@ Model makeCube(float amplitude) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,10 +7,10 @@
 
 #include "surface/model.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Height of the spikes as a fraction of the cage's diagonal. */
 constexpr float cubeAmplitude = 0.09f;
 Model makeCube(float amplitude = cubeAmplitude);
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include "scenes/implicit_cage.h"
 #include "scenes/noise.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::vector<Capsule> frogBody() {
@@ -77,4 +77,4 @@ Model makeFrog(float amplitude, int threads) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

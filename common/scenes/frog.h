@@ -7,10 +7,10 @@
 
 #include "surface/model.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Height of the longest spikes as a fraction of the cage's diagonal. */
 constexpr float frogAmplitude = 0.07f;
 Model makeFrog(float amplitude = frogAmplitude, int threads = 0);
 
-} // namespace cbvh
+} // namespace programs

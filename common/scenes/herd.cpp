@@ -5,7 +5,7 @@
 #include "scenes/motion.h"
 #include "scenes/noise.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Offset rows with some disorder; all walk in about the same direction, each in its own pose. A copy is about 11
  * long and 4 wide. */
@@ -33,4 +33,4 @@ Model makeHerd(const TrexSettings& settings, int count) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

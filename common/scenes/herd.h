@@ -7,7 +7,7 @@
 
 #include "scenes/trex.h"
 
-namespace cbvh {
+namespace programs {
 
 constexpr int herdCount = 12;
 constexpr int maxHerdCount = 100000;
@@ -15,4 +15,4 @@ constexpr int maxHerdCount = 100000;
 /* The copies share heights and topology. */
 Model makeHerd(const TrexSettings& settings, int count = herdCount);
 
-} // namespace cbvh
+} // namespace programs

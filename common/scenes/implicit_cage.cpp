@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 float distanceToCapsule(const Capsule& c, Vec3f p) {
@@ -178,4 +178,4 @@ Cage makeImplicitCage(const std::vector<Capsule>& capsules, const VoxelSize& vox
   return cage;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* The hull of two balls. `smooth` is the radius of the blend with earlier capsules in world units, 0 for a crease.
  * `carve` subtracts. */
@@ -31,4 +31,4 @@ float distanceToCapsules(const std::vector<Capsule>& capsules, Vec3f p);
 /* The cage is manifold. */
 Cage makeImplicitCage(const std::vector<Capsule>& capsules, const VoxelSize& voxelSize);
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include "scenes/cage_parts.h"
 #include "scenes/noise.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct Section {
@@ -75,4 +75,4 @@ Model makeKnee(float amplitude, int threads) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,10 +7,10 @@
 
 #include "surface/model.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
 constexpr float kneeAmplitude = 0.02f;
 Model makeKnee(float amplitude = kneeAmplitude, int threads = 0);
 
-} // namespace cbvh
+} // namespace programs

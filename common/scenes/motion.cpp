@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 Vec3f rotated(Vec3f p, Vec3f center, Vec3f axis, float angle) {
@@ -65,4 +65,4 @@ void addMotion(Model& model, const MotionSettings& settings) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct MotionSettings {
   std::string name;   // one of motionNames()
@@ -29,4 +29,4 @@ std::vector<Vec3f> poseVertices(const std::string& name, const std::vector<Vec3f
 /* Throws Error as validateMotion. */
 void addMotion(Model& model, const MotionSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

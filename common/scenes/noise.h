@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-namespace cbvh {
+namespace programs {
 
 inline uint32_t hashCell(int x, int y, int z, uint32_t seed) {
   uint32_t h = uint32_t(x) * 0x8da6b343u ^ uint32_t(y) * 0xd8163841u ^ uint32_t(z) * 0xcb1ab31fu ^ seed * 0x9e3779b9u;
@@ -96,4 +96,4 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed) {
   return {std::sqrt(first), std::sqrt(second), id};
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include "scenes/cage_parts.h"
 #include "scenes/noise.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr int bladeStations = 9;
@@ -98,4 +98,4 @@ Model makeScythe(float amplitude, int threads) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,10 +7,10 @@
 
 #include "surface/model.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
 constexpr float scytheAmplitude = 0.045f;
 Model makeScythe(float amplitude = scytheAmplitude, int threads = 0);
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Texels per side of a face: one per vertex at level 6. Fewer in the atlas, because more than half of it is empty. */
@@ -61,4 +61,4 @@ Model makeTrex(const TrexSettings& settings) {
   return model;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 enum class TrexMapping {
   Faces, // as in Ptex, without texture coordinates
@@ -35,4 +35,4 @@ constexpr float trexRoughFactor = 5.0f;
 /* Shows progress. Throws Error if the map cannot be written or read. */
 Model makeTrex(const TrexSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include "scenes/implicit_cage.h"
 #include "scenes/noise.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 float voxelSize(int axis, float coordinate) {
@@ -190,4 +190,4 @@ private:
 
 TrexCage makeTrexCage() { return Builder().run(); }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 enum class TrexPart : uint8_t { Skin, Tooth, Claw, Eye, Lid, Tongue };
 
@@ -26,4 +26,4 @@ TrexCage makeTrexCage();
 constexpr Vec3f trexEye{3.95f, 5.15f, 0.4f};
 constexpr float trexEyeRadius = 0.12f;
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include "scenes/trex_skin.h"
 #include "scenes/noise.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 float smoothstep(float a, float b, float x) {
@@ -147,4 +147,4 @@ float trexHeight(TrexPart part, Vec3f p) {
   return 0.5f;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include "scenes/trex_cage.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Increment when trexHeight changes: the cached map's recipe contains it. */
 constexpr int trexSkinVersion = 2;
@@ -15,4 +15,4 @@ constexpr int trexSkinVersion = 2;
 /* `p` is on the limit surface. */
 float trexHeight(TrexPart part, Vec3f p);
 
-} // namespace cbvh
+} // namespace programs

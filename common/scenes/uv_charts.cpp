@@ -8,7 +8,7 @@
 #include <map>
 #include <numeric>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr int largestChart = 24; // faces per side
@@ -143,4 +143,4 @@ void setChartUVs(Cage& cage, const Charts& charts) {
     }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Place of a face in the map, in texels with y up: corner i of the face is corner (i + turn) mod 4 of the square,
  * counterclockwise from the lower left. */
@@ -30,4 +30,4 @@ Charts unfoldCharts(const Cage& cage, int texels, int padding);
 
 void setChartUVs(Cage& cage, const Charts& charts);
 
-} // namespace cbvh
+} // namespace programs

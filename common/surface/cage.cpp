@@ -3,7 +3,7 @@
 
 #include "surface/cage.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Exporters also write vertices without faces, such as helper points. */
 Box3f Cage::bounds() const {
@@ -58,4 +58,4 @@ Vec2f encodeSubPatch(unsigned subPatch, float u, float v) {
   return {2.0f * float(subPatch & 3) + 0.5f + u, 2.0f * float(subPatch >> 2) + 0.5f + v};
 }
 
-} // namespace cbvh
+} // namespace programs

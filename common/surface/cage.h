@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Shape at boundary edges, with the names and numbers of OpenSubdiv's tag interpolateboundary. */
 enum class BoundaryRule {
@@ -101,4 +101,4 @@ unsigned decodeSubPatch(float& u, float& v);
 
 Vec2f encodeSubPatch(unsigned subPatch, float u, float v);
 
-} // namespace cbvh
+} // namespace programs

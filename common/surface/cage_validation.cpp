@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
@@ -276,4 +276,4 @@ void validateCage(Cage& cage, std::string& warnings) {
   turnIntoHoles(cage, level, warnings);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Turns faces beyond Embree's limits (16 vertices per face, 64 faces around a vertex) into holes.
  *
@@ -25,4 +25,4 @@ namespace cbvh {
  * left. */
 void validateCage(Cage& cage, std::string& warnings);
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr int maxChannels = 3;
@@ -203,4 +203,4 @@ void ChartFilter::sample(unsigned image, unsigned chart, Vec2f at, Vec2f width, 
   for (int i = 0; i < texture.numChannels(); i++) values[i] = own[i] + t * (values[i] - own[i]);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include "surface/height_texture.h"
 #include "surface/texture_charts.h"
 
-namespace cbvh {
+namespace programs {
 
 class ChartFilter {
 public:
@@ -25,4 +25,4 @@ private:
   const TextureCharts& charts;
 };
 
-} // namespace cbvh
+} // namespace programs

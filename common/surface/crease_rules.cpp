@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 bool isFraction(float sharpness) { return std::isfinite(sharpness) && sharpness != std::floor(sharpness); }
@@ -60,4 +60,4 @@ std::vector<unsigned> findVerticesWithDifferentCreaseRules(const Cage& cage) {
   return result;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -16,10 +16,10 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* The cage must be valid. Under Chaikin's rule, includes every vertex at which three or more creases of different
  * sharpness meet. */
 std::vector<unsigned> findVerticesWithDifferentCreaseRules(const Cage& cage);
 
-} // namespace cbvh
+} // namespace programs

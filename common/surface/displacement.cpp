@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 class HeightDisplacement : public Displacement {
@@ -78,4 +78,4 @@ std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const Displacement
   return displaceByVectors(cage, std::move(texture), map);
 }
 
-} // namespace cbvh
+} // namespace programs

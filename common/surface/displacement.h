@@ -17,7 +17,7 @@
 #include <optional>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 class SeamGaps;
 
@@ -89,4 +89,4 @@ float midLevelOf(const DisplacementMap& map);
  * on some faces only. */
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
-} // namespace cbvh
+} // namespace programs

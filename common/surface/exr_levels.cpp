@@ -8,7 +8,7 @@
 
 #include <exception>
 
-namespace cbvh {
+namespace programs {
 
 bool hasRipMaps(const std::string& path) try {
   const Imf::MultiPartInputFile file(path.c_str());
@@ -19,4 +19,4 @@ bool hasRipMaps(const std::string& path) try {
   return false;
 } catch (const std::exception&) { return false; }
 
-} // namespace cbvh
+} // namespace programs

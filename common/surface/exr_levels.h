@@ -7,10 +7,10 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* True if a part of this OpenEXR file has rip map levels: OpenImageIO reads only their first level correctly. False for
  * files that OpenEXR cannot read. */
 bool hasRipMaps(const std::string& path);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Keeps every other texel, filtered with a quarter of its neighbors; on a border only along the border. */
@@ -128,4 +128,4 @@ std::unique_ptr<Displacement> displaceByAtlas(const Cage& cage, const FaceAtlas&
   return std::make_unique<AtlasDisplacement>(cage, atlas, std::move(map), scale);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include "surface/displacement.h"
 #include "surface/height_map.h"
 
-namespace cbvh {
+namespace programs {
 
 /* A tile has tileSize + 1 texels per side; the outer ones lie on the face's borders. If tileSize is a power of two,
  * faces with equal texels on an edge meet exactly at levels up to 8. */
@@ -25,4 +25,4 @@ struct FaceAtlas {
  * reads, without filtering, the mip level whose texels are 2^-L of a face wide, up to 2^L = tileSize. */
 std::unique_ptr<Displacement> displaceByAtlas(const Cage& cage, const FaceAtlas& atlas, HeightMap map, float scale);
 
-} // namespace cbvh
+} // namespace programs

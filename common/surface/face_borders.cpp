@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-namespace cbvh {
+namespace programs {
 
 FaceBorders::FaceBorders(const Cage& cage)
   : sizes(cage.faceSizes),
@@ -77,4 +77,4 @@ FacePoint FaceBorders::point(unsigned face, unsigned edge, float t) const {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

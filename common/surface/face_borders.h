@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class FaceBorders {
 public:
@@ -89,4 +89,4 @@ private:
   std::vector<std::vector<Side>> corners;
 };
 
-} // namespace cbvh
+} // namespace programs

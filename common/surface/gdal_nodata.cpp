@@ -9,7 +9,7 @@
 #include <fstream>
 #include <set>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr unsigned nodataTag = 42113, asciiType = 2;
@@ -85,4 +85,4 @@ private:
 
 std::vector<std::string> readGdalNodata(const std::string& path) { return TiffReader(path).run(); }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Returns the tag's text for each page of a TIFF or BigTIFF, or empty. Stops at the first malformed page. Returns
  * nothing for other files, whose errors OpenImageIO reports. */
 std::vector<std::string> readGdalNodata(const std::string& path);
 
-} // namespace cbvh
+} // namespace programs

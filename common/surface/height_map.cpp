@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 
 float HeightMap::sampleTexels(float x, float y) const {
   x = std::min(std::max(x, 0.0f), float(w - 1));
@@ -18,4 +18,4 @@ float HeightMap::sampleTexels(float x, float y) const {
   return top * (1.0f - fy) + bottom * fy;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class HeightMap {
 public:
@@ -61,4 +61,4 @@ private:
   std::vector<float> texels;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -21,7 +21,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Redirects stderr of all threads to /dev/null, because libpng prints errors that OpenImageIO reports anyway. */
@@ -229,4 +229,4 @@ void HeightMap::write(const std::string& path, const std::string& recipe) const 
   writeImageFile(path, spec, OIIO::TypeDesc::FLOAT, texels.data());
 }
 
-} // namespace cbvh
+} // namespace programs

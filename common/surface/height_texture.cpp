@@ -18,7 +18,7 @@
 #include <mutex>
 #include <thread>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr int tileSize = 64; // for files without tiles
@@ -248,4 +248,4 @@ void HeightTexture::sample(unsigned image, float s, float t, float widthS, float
     implementation->system->geterror(); // the file changed after the constructor read it; errors would accumulate
 }
 
-} // namespace cbvh
+} // namespace programs

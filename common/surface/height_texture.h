@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct TextureChannels {
   std::string first; // name, or number from 0; empty: the file's first
@@ -66,4 +66,4 @@ private:
   bool constantBorder = false;
 };
 
-} // namespace cbvh
+} // namespace programs

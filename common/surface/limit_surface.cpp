@@ -14,7 +14,7 @@
 #include <shared_mutex>
 #include <utility>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 namespace Bfr = OpenSubdiv::Bfr;
@@ -165,4 +165,4 @@ LimitSample LimitSurface::evaluate(const PatchPoint& p) const {
   return {vector(0, 1.0), vector(1, scale), vector(2, scale), vector(3, square), vector(4, square), vector(5, square)};
 }
 
-} // namespace cbvh
+} // namespace programs

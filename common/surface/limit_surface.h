@@ -18,7 +18,7 @@
 
 #include <memory>
 
-namespace cbvh {
+namespace programs {
 
 /* Position, and derivatives by (u,v) of a patch. */
 struct LimitSample {
@@ -44,4 +44,4 @@ private:
   std::unique_ptr<Implementation> implementation;
 };
 
-} // namespace cbvh
+} // namespace programs

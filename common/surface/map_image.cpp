@@ -20,7 +20,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr const char* firstAttribute = "cbvh:first";
@@ -273,4 +273,4 @@ void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>&
   }
 }
 
-} // namespace cbvh
+} // namespace programs

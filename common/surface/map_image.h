@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Channels to read. */
 struct ChannelRange {
@@ -96,4 +96,4 @@ private:
   bool textureReadable = false, copyOrMask = false, isInverted = false, isFloating = false;
 };
 
-} // namespace cbvh
+} // namespace programs

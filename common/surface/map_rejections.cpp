@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <fstream>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr size_t boxHeader = 8;
@@ -109,4 +109,4 @@ std::string rejectionOf(OIIO::ImageInput& source, const std::string& path, bool 
   return "";
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Returns the reason not to read the current image of `source`, with what is expected instead, or empty. isInverted:
  * see MapImage. */
@@ -18,4 +18,4 @@ std::string rejectionOf(OIIO::ImageInput& source, const std::string& path, bool 
 /* True if OpenImageIO normalizes samples of this type to 0..1. */
 bool isUnsigned(OIIO::TypeDesc type);
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Seeks the first image from `number` on that is no smaller copy and no mask of another one. Returns its number, or -1
  * if there is none, or if it cannot be read: see rejection(). */
@@ -40,4 +40,4 @@ inline std::string listOfChannels(const std::vector<std::string>& names) {
   return list;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 float spacing(float level) {
@@ -213,4 +213,4 @@ std::unique_ptr<MappedTexture> MappedTexture::create(const Cage& cage, const Dis
   return std::make_unique<FaceMappedTexture>(cage, map, warnings);
 }
 
-} // namespace cbvh
+} // namespace programs

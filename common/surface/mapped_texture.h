@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class MappedTexture {
 public:
@@ -71,4 +71,4 @@ T interpolate(const T* c, unsigned n, const FacePoint& p) {
   return bilinear(q, x, y);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -16,7 +16,7 @@
 #include <memory>
 #include <unordered_map>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct CloseFile {
@@ -90,4 +90,4 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
   pending.commit();
 }
 
-} // namespace cbvh
+} // namespace programs

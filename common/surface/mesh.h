@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Gives each face 4 vertices; triangles repeat the last one. Removes holes. Throws Error for larger faces, and if no
  * face remains. */
@@ -29,4 +29,4 @@ float latticeSpacing(const std::vector<Vec3f>& positions);
 void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
               const std::vector<std::array<unsigned, 4>>& quads);
 
-} // namespace cbvh
+} // namespace programs

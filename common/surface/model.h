@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* The copy is scaled, rotated about the y axis, then moved. */
 struct Placement {
@@ -84,4 +84,4 @@ struct Model {
   }
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -26,7 +26,7 @@
 #include <system_error>
 #include <type_traits>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 class Parser {
@@ -346,4 +346,4 @@ Cage readObj(const std::string& path, std::string& warnings) {
   return readObj(stream, path, warnings);
 }
 
-} // namespace cbvh
+} // namespace programs

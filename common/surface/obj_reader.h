@@ -13,7 +13,7 @@
 #include <istream>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Reads a file, or a pipe that a program opens for writing within 10 seconds. Appends a line to `warnings` for the
  * tag smoothtriangles with a rule that Embree does not support. Throws Error with path and line number, also for a file
@@ -23,4 +23,4 @@ Cage readObj(const std::string& path, std::string& warnings);
 /* Messages use `name` as the path. */
 Cage readObj(std::istream& stream, const std::string& name, std::string& warnings);
 
-} // namespace cbvh
+} // namespace programs

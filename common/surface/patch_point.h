@@ -5,7 +5,7 @@
 
 /* Points in Embree's parameters and in those of patches, converted by PatchWalk. */
 
-namespace cbvh {
+namespace programs {
 
 /* (u,v) as Embree reports them. */
 struct FacePoint {
@@ -19,4 +19,4 @@ struct PatchPoint {
   double u, v;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -3,7 +3,7 @@
 
 #include "surface/patch_walk.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Edges counterclockwise: v = 0, u = 1, v = 1, u = 0. The inward normal of an edge is the direction of the next. */
@@ -103,4 +103,4 @@ FacePoint PatchWalk::toEmbree(const PatchPoint& p) const {
   return {p.face, uv.x, uv.y};
 }
 
-} // namespace cbvh
+} // namespace programs

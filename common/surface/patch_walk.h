@@ -9,7 +9,7 @@
 
 #include <functional>
 
-namespace cbvh {
+namespace programs {
 
 class PatchWalk {
 public:
@@ -35,4 +35,4 @@ private:
   std::vector<char> exists;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr uint64_t maxEdge = 1u << 24, maxSample = 65535;
@@ -153,4 +153,4 @@ bool PnmImage::read_native_scanline(int subimage, int miplevel, int y, int z, vo
   return true;
 }
 
-} // namespace cbvh
+} // namespace programs

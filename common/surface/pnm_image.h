@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Samples of one byte with a maximum of 255 stay bytes. All others are floats: integers are divided by the file's
  * maximum, which is the attribute `maximumAttribute`, and floats are multiplied by the magnitude of the file's scale.
@@ -51,4 +51,4 @@ private:
   bool isLittleEndian = false;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace cbvh {
+namespace programs {
 
 struct SeamGap {
   float distance = 0; // in units of the cage
@@ -55,4 +55,4 @@ private:
   std::atomic<uint64_t> largest{0}, largestInQuads{0};
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Beyond the boundary of a cage, a seam continues straight, for as many edges as footprints may be wide. */
@@ -169,4 +169,4 @@ void TextureCharts::sortEnds(std::vector<std::vector<End>> endsOfCharts) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

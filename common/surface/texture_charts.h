@@ -17,7 +17,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class TextureCharts {
 public:
@@ -84,4 +84,4 @@ private:
   std::vector<End> ends;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* How a map continues outside of its image. */
 enum class TextureWrap {
@@ -21,4 +21,4 @@ inline const std::vector<std::string>& textureWrapNames() {
   return names;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
-namespace cbvh {
+namespace programs {
 
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
@@ -65,4 +65,4 @@ std::unique_ptr<Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool
   return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(descriptor, options));
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,9 +11,9 @@
 
 #include <memory>
 
-namespace cbvh {
+namespace programs {
 
 /* Converts an unrefined cage. If `validate`, reports invalid topology through Far's callbacks and returns null. */
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool validate);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Step of finite differences in parameters: below a texel in all scenes, and large for the precision of floats. */
@@ -262,4 +262,4 @@ std::optional<TruePoint> TrueSurface::crossing(Vec3d origin, Vec3d direction, co
   return {};
 }
 
-} // namespace cbvh
+} // namespace programs

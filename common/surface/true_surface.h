@@ -17,7 +17,7 @@
 #include <optional>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct TruePoint {
   PatchPoint at;
@@ -76,4 +76,4 @@ private:
   std::deque<TrueSurface> surfaces;
 };
 
-} // namespace cbvh
+} // namespace programs

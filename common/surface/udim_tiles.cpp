@@ -12,7 +12,7 @@
 #include <map>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr const char* placeholder = "<UDIM>";
@@ -201,4 +201,4 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
   return tiles;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* False if there is a file with this very name, as in OpenImageIO. */
 bool isUdimPath(const std::string& path);
@@ -42,4 +42,4 @@ private:
   std::vector<Vec2f> origins;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <unordered_set>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* --- evidence in comments ---------------------------------------------------------------- */
@@ -207,4 +207,4 @@ ViewHints rotatedToY(ViewHints hints, const std::string& up) {
   return rotatedFromY(hints, isQuarter ? (up[0] == '-' ? up.substr(1) : "-" + up) : up);
 }
 
-} // namespace cbvh
+} // namespace programs

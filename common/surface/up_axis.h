@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* The most likely first. */
 const std::vector<std::string>& upAxes();
@@ -32,4 +32,4 @@ UpGuess guessUp(const Cage& cage);
 ViewHints rotatedFromY(ViewHints hints, const std::string& up);
 ViewHints rotatedToY(ViewHints hints, const std::string& up);
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <tuple>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* The texture's second axis is to the left of the first one, seen from outside, or to the right if mirrored. */
@@ -120,4 +120,4 @@ std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_pt
   return std::make_unique<VectorDisplacement>(cage, std::move(texture), description);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,11 +7,11 @@
 
 #include <memory>
 
-namespace cbvh {
+namespace programs {
 
 /* `texture` has three channels; `description` holds scale, mid level and axes. Throws Error for tangent-space vectors
  * without texture coordinates. */
 std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<MappedTexture> texture,
                                                 const DisplacementMap& description);
 
-} // namespace cbvh
+} // namespace programs

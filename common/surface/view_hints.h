@@ -5,7 +5,7 @@
 
 #include "basics/vec.h"
 
-namespace cbvh {
+namespace programs {
 
 struct ViewHints {
   Vec3f direction{-0.5f, -0.35f, -1.0f}; // from the eye to the center of the model
@@ -14,4 +14,4 @@ struct ViewHints {
   float closeDistance = 0.12f;  // from eye to target, in bounding-box diagonals
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 Camera::Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size)
   : origin(eye),
@@ -82,4 +82,4 @@ std::string Camera::description() const {
   return text;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class Camera {
 public:
@@ -43,4 +43,4 @@ private:
   ImageSize image;
 };
 
-} // namespace cbvh
+} // namespace programs

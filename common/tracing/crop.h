@@ -7,7 +7,7 @@
 
 #include <cstddef>
 
-namespace cbvh {
+namespace programs {
 
 /* Part of a picture: columns x0 to x1 - 1 and rows y0 to y1 - 1; (0,0) is the upper left pixel. */
 struct Crop {
@@ -23,4 +23,4 @@ struct Crop {
   int row(size_t pixel) const { return y0 + int(pixel / size_t(x1 - x0)); }
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace cbvh {
+namespace programs {
 
 /* Sets the mode of the thread that constructs it, until destruction. */
 class DenormalMode {
@@ -44,4 +44,4 @@ struct FlushDenormals : DenormalMode {
   FlushDenormals() : DenormalMode(true) {}
 };
 
-} // namespace cbvh
+} // namespace programs

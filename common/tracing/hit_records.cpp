@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Embree does not write to rays that miss. */
@@ -71,4 +71,4 @@ HitDifferences compareHitRecords(const std::vector<HitRecord>& a, const std::vec
   return found;
 }
 
-} // namespace cbvh
+} // namespace programs

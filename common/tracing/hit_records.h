@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct HitRecord {
   bool hit = false; // the only valid member for misses and any-hit queries
@@ -37,4 +37,4 @@ struct HitDifferences {
 /* Both arguments belong to the same rays. */
 HitDifferences compareHitRecords(const std::vector<HitRecord>& a, const std::vector<HitRecord>& b);
 
-} // namespace cbvh
+} // namespace programs

@@ -3,10 +3,10 @@
 
 #pragma once
 
-namespace cbvh {
+namespace programs {
 
 struct ImageSize {
   int width = 1024, height = 1024;
 };
 
-} // namespace cbvh
+} // namespace programs

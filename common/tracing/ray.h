@@ -5,7 +5,7 @@
 
 #include "basics/vec.h"
 
-namespace cbvh {
+namespace programs {
 
 struct Ray {
   Vec3f origin;
@@ -15,4 +15,4 @@ struct Ray {
   float time = 0.0f; // in [0,1]
 };
 
-} // namespace cbvh
+} // namespace programs

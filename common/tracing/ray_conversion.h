@@ -8,7 +8,7 @@
 
 #include <embree3/rtcore.h>
 
-namespace cbvh {
+namespace programs {
 
 inline void load(const Ray& ray, RTCRay& out) {
   out.org_x = ray.origin.x;
@@ -48,4 +48,4 @@ inline void load(const Ray& ray, RTCRayN& out, size_t i) {
   out.flags[i] = 0;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -4,7 +4,7 @@
 #include "tracing/ray_sets.h"
 #include "basics/sampling.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 void shuffle(std::vector<size_t>& order, std::mt19937& random) {
@@ -73,4 +73,4 @@ std::vector<Ray> bounceRays(const std::vector<Ray>& primary, const std::vector<S
   return rays;
 }
 
-} // namespace cbvh
+} // namespace programs

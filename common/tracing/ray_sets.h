@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 enum RaySet { Coherent, Incoherent, numRaySets };
 
@@ -43,4 +43,4 @@ struct BounceSettings {
 std::vector<Ray> bounceRays(const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits,
                             const BounceSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Shutter {
   float begin = 0, end = 1; // 0 is the model's first time step, 1 the last
@@ -27,4 +27,4 @@ inline void setTimes(std::vector<Ray>& rays, const Shutter& shutter, int sample,
   }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -5,7 +5,7 @@
 #include "basics/parallel.h"
 #include "tracing/ray_conversion.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Rays per call; Vulkan devices need many. */
@@ -45,4 +45,4 @@ size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>
   return count;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Traces n rays on the calling thread. */
 void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits);
@@ -20,4 +20,4 @@ std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector
 size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>& rays,
                                 const std::vector<SurfaceHit>& closest, unsigned threads);
 
-} // namespace cbvh
+} // namespace programs

@@ -15,7 +15,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 
 /* Rays per task: whole packets and streams, and 64 tiles of 8 x 8 pixels. */
 constexpr size_t traceChunk = 4096;
@@ -171,4 +171,4 @@ Kernel<Sink> kernelOf(TraceMode mode, Query query) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

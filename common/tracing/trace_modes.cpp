@@ -6,7 +6,7 @@
 
 #include <iterator>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr const char* queryNames[numQueries] = {"closest", "any"};
@@ -30,4 +30,4 @@ TraceMode parseTraceMode(const std::string& name) {
   throw Error("unknown mode '" + name + "': expected single, packet4, packet8, packet16 or stream");
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 enum Query { Closest, Any, numQueries };
 
@@ -23,4 +23,4 @@ const char* traceModeName(TraceMode mode);
 Query parseQuery(const std::string& name);
 TraceMode parseTraceMode(const std::string& name);
 
-} // namespace cbvh
+} // namespace programs

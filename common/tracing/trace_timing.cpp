@@ -14,7 +14,7 @@
 #include <exception>
 #include <thread>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct HitCount {
@@ -112,4 +112,4 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
   return timing;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct TraceSettings {
   Query query = Closest;
@@ -29,4 +29,4 @@ struct TraceTiming {
 /* Ignores mode, coherence and threads for a Vulkan device. Throws Error. */
 TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

@@ -12,15 +12,15 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_compressed_clusters.cpp
   cbvh/api/rtcore_dicing.cpp
   cbvh/api/rtcore_compressed_files.cpp
-  cbvh/core/compression.cpp
-  cbvh/core/device.cpp
-  cbvh/core/device_string.cpp
-  cbvh/core/dicing.cpp
-  cbvh/core/errors.cpp
-  cbvh/core/files.cpp
-  cbvh/core/stored_surface.cpp
-  cbvh/core/struct_size.cpp
-  cvert/basics/reason.cpp
+  cbvh/operations/compression.cpp
+  cbvh/operations/device.cpp
+  cbvh/operations/device_string.cpp
+  cbvh/operations/dicing.cpp
+  cbvh/operations/errors.cpp
+  cbvh/operations/files.cpp
+  cbvh/operations/stored_surface.cpp
+  cbvh/operations/struct_size.cpp
+  cvert/portable/reason.cpp
   cvert/file/checksum.cpp
   cvert/file/directory.cpp
   cvert/file/file.cpp
@@ -31,24 +31,24 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/files/mapped_blocks.cpp
   cbvh/files/loaded_geometry.cpp
   cbvh/files/loaded_surface.cpp
-  cbvh/flat/flat_scene.cpp
+  cbvh/backend/flat_scene.cpp
   cbvh/building/builder.cpp
-  cbvh/stored/stored_triangles.cpp
-  cbvh/stored/stored_clusters.cpp
-  cbvh/stored/surface_blocks.cpp
+  cbvh/blocks/stored_triangles.cpp
+  cbvh/blocks/stored_clusters.cpp
+  cbvh/blocks/surface_blocks.cpp
   cbvh/surface/input_checks.cpp
   cbvh/surface/mesh_regions.cpp
   cbvh/surface/quad_regions.cpp
   cbvh/surface/triangle_pairs.cpp
   cbvh/surface/welded_vertices.cpp
-  cbvh/vert/tables.cpp
+  cbvh/exact/tables.cpp
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp
   cbvh/traversal/intersectorK.cpp
   cbvh/traversal/point_query.cpp)
 
 if(NOT EMBREE_CBVH_NO_PAPER)
-  list(APPEND EMBREE_LIBRARY_FILES cbvh/framed/node_tables.cpp)
+  list(APPEND EMBREE_LIBRARY_FILES cbvh/paper/node_tables.cpp)
 endif()
 
 # Appends the files that are compiled per ISA to the list named by `target`.

@@ -15,7 +15,7 @@ include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL lib devel examples beside beside_devel)
+set(CPACK_COMPONENTS_ALL lib devel examples capi capi_devel)
 if(TARGET embree_cbvh)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -96,8 +96,8 @@ set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.h, cbvh.glsl
 
 # next to any Embree; these packages replace none
-cbvh_package(beside libembree-cbvh0 "" same libs "Compressed subdivision surfaces next to any Embree")
-cbvh_package(beside_devel libembree-cbvh0-dev "" same libdevel
+cbvh_package(capi libembree-cbvh0 "" same libs "Compressed subdivision surfaces next to any Embree")
+cbvh_package(capi_devel libembree-cbvh0-dev "" same libdevel
   "Compressed subdivision surfaces next to any Embree: development files")
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_DEPENDS "libembree-cbvh0 (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_SHLIBDEPS OFF)

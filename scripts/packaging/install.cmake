@@ -28,7 +28,7 @@ foreach(file IN LISTS files)
 endforeach()
 configure_file("${CMAKE_CURRENT_LIST_DIR}/embree_cbvh.pc.in" "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" @ONLY)
 install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
-  COMPONENT beside_devel)
+  COMPONENT capi_devel)
 
 # --- manual pages, next to upstream's --------------------------------------------------------
 
@@ -49,7 +49,7 @@ if(Python3_Interpreter_FOUND)
     DEPENDS "${script}" ${headers} VERBATIM)
   add_custom_target(cbvh_man_pages ALL DEPENDS "${man}/rtcSetGeometryCompression.3embree3")
   install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT devel FILES_MATCHING PATTERN "*.3embree3")
-  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT beside_devel
+  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT capi_devel
     FILES_MATCHING PATTERN "*.3cbvh")
 endif()
 
@@ -109,6 +109,6 @@ install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DATARO
 set(examples_folder "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples")
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/codec" DESTINATION "${examples_folder}"
   COMPONENT devel FILES_MATCHING PATTERN "*.cpp")
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/beside/" DESTINATION "${examples_folder}"
-  COMPONENT beside_devel FILES_MATCHING PATTERN "*.c" PATTERN "*.cpp" PATTERN "*.h")
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/capi/" DESTINATION "${examples_folder}"
+  COMPONENT capi_devel FILES_MATCHING PATTERN "*.c" PATTERN "*.cpp" PATTERN "*.h")
 install(FILES "${CMAKE_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT lib)

@@ -34,17 +34,17 @@ endfunction()
 # --- libembree_cbvh with Embree's API ------------------------------------------------------
 
 add_library(cbvh_wheel_kernels INTERFACE)
-target_link_libraries(cbvh_wheel_kernels INTERFACE cbvh_beside)
+target_link_libraries(cbvh_wheel_kernels INTERFACE cbvh_capi)
 target_include_directories(cbvh_wheel_kernels INTERFACE "${CMAKE_BINARY_DIR}/upstream/include")
 # The libraries of the wheel are linked statically where possible, and export nothing.
 target_link_options(cbvh_wheel_kernels INTERFACE -Wl,--as-needed -Wl,--gc-sections -Wl,--exclude-libs,ALL)
 
 file(GLOB headers "${CMAKE_BINARY_DIR}/upstream/include/embree3/rtcore*.h")
 list(FILTER headers EXCLUDE REGEX "/rtcore_vulkan\\.h$")
-cbvh_private_names(cbvh_beside cbvh_wheel_kernels ${headers} "${CMAKE_SOURCE_DIR}/kernels/cbvh/flat/flat_scene.h")
+cbvh_private_names(cbvh_capi cbvh_wheel_kernels ${headers} "${CMAKE_SOURCE_DIR}/kernels/cbvh/backend/flat_scene.h")
 set(exports "${CMAKE_BINARY_DIR}/private_names/exports")
 file(CONFIGURE OUTPUT "${exports}.map" CONTENT "CBVH_WHEEL { global: __wrap_rtc*; };\n")
-target_link_options(cbvh_beside PRIVATE "-Wl,--version-script=${exports}.map")
+target_link_options(cbvh_capi PRIVATE "-Wl,--version-script=${exports}.map")
 if(NOT TARGET embree_vulkan)
   message(FATAL_ERROR "  a wheel contains libembree3_vulkan, which needs Vulkan's headers, glslc and Python")
 endif()

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -169,4 +169,4 @@ TEST(BlockFormat, EncoderWritesAnnotatedBlockOfTwoLevels) {
   expectAnnotated("Two levels of words", 2, z);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

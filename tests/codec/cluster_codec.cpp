@@ -21,7 +21,7 @@
 
 using namespace cvert;
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 typedef std::array<float, 3> Vertex;
 
@@ -351,4 +351,4 @@ TEST(ClusterCodec, BytesMatchAnnotatedClusters) {
   EXPECT_NE(document.find(text.substr(text.size() - 5)), std::string::npos) << text;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Crossing of a ray with a leaf (framed/leaf/crossing.h), compared with bisection, finite differences and dense
+/* Crossing of a ray with a leaf (paper/leaf/crossing.h), compared with bisection, finite differences and dense
  * sampling in double precision. */
 
-#include "kernels/cbvh/framed/leaf/crossing.h"
+#include "kernels/cbvh/paper/leaf/crossing.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -505,4 +505,4 @@ TEST(Crossing, OnlyBorderLeavesHaveLipsAndOnlyAtBorderSides) {
   EXPECT_GT(inner, 5000u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

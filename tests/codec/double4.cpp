@@ -4,7 +4,7 @@
 /* Operations on four doubles return the same bits as on one double, in registers of any kind, also for NaN, infinity
  * and values that no integer holds. */
 
-#include "kernels/cvert/basics/double4.h"
+#include "kernels/cvert/portable/double4.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <cstring>
 #include <limits>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using cvert::Double4;
 using cvert::Float4;
@@ -111,4 +111,4 @@ TEST(Double4, EqualsFourDoubles) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test::HERE {
+namespace programs::test::HERE {
 
 // Returns the bytes of a block of width x height quads. steps: x, y and z of the vertices of each time step, row by
 // row, which are snapped to multiples of 2^exponent.
@@ -44,4 +44,4 @@ inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps,
   return {out, out + size};
 }
 
-} // namespace cbvh::test::HERE
+} // namespace programs::test::HERE

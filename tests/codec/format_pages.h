@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 inline std::string page(const std::string& name) {
   std::ifstream file(FORMATS "/" + name);
@@ -99,4 +99,4 @@ inline void expectAnnotatedBytes(const void* block, size_t size, const std::stri
   EXPECT_EQ(wordsOf({bytes, bytes + size}), wordsOf(annotatedBytes(name, heading)));
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

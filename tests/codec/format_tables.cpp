@@ -5,8 +5,8 @@
  * decoders share the tables: if these changed, all other tests would pass, but existing blocks would have another
  * meaning. */
 
-#include "kernels/cbvh/framed/leaf/format.h"
-#include "kernels/cbvh/framed/local_ray.h"
+#include "kernels/cbvh/paper/leaf/format.h"
+#include "kernels/cbvh/paper/local_ray.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -98,4 +98,4 @@ TEST(FormatTables, EpsilonOfRaysMatchesPage) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

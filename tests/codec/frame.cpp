@@ -4,15 +4,15 @@
 /* The map of a block keeps vertices in the box and straight lines straight, for all sizes and positions. The encoder
  * falls back to an affine map if a projective one is ill-conditioned. */
 
-#include "kernels/cbvh/framed/frame_fit.h"
-#include "kernels/cbvh/framed/node.h"
+#include "kernels/cbvh/paper/frame_fit.h"
+#include "kernels/cbvh/paper/node.h"
 #include "support/random.h"
 
 #include <algorithm>
 #include <limits>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -355,4 +355,4 @@ TEST(Frame, SheetsWithLargestCoordinatesHaveFrames) {
   expectProperties(sheet, frame);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

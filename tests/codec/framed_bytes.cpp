@@ -15,7 +15,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -214,4 +214,4 @@ TEST(FramedBytes, MatchPinnedChecksums) {
   if (HasFailure()) std::printf("%s", table.c_str());
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

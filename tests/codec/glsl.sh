@@ -4,7 +4,7 @@
 #
 # glsl.sh GLSLC KERNELS SHADER...
 #
-# Compiles as GLSL: each header below the folder KERNELS that uses the language of cvert/basics/language.h (it
+# Compiles as GLSL: each header below the folder KERNELS that uses the language of cvert/portable/language.h (it
 # contains CVERT_BEGIN or CBVH_BEGIN), by itself, and the shaders.
 
 set -u

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares the tables of framed_hits.md with framed/leaf/hit_rule.h: for every combination of state and event, the
+/* Compares the tables of framed_hits.md with paper/leaf/hit_rule.h: for every combination of state and event, the
  * first matching row must have the outcome of the code. */
 
-#include "kernels/cbvh/framed/leaf/hit_rule.h"
+#include "kernels/cbvh/paper/leaf/hit_rule.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -257,4 +257,4 @@ TEST(HitRule, InitialStateMatchesPage) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

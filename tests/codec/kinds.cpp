@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -76,4 +76,4 @@ TEST(References, EachReferenceHasOneType) {
     EXPECT_FALSE(isRunType(type));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

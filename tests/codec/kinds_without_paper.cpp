@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -27,4 +27,4 @@ TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

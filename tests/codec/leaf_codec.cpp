@@ -3,8 +3,8 @@
 
 /* Leaves of cLEAF: stored leaves bound the edges of the quads, or the encoder reports that it cannot bound them. */
 
-#include "kernels/cbvh/framed/leaf/crossing.h"
-#include "kernels/cbvh/framed/tree.h"
+#include "kernels/cbvh/paper/leaf/crossing.h"
+#include "kernels/cbvh/paper/tree.h"
 #include "support/encoded_block.h"
 #include "support/random.h"
 
@@ -14,7 +14,7 @@
 #include <ostream>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -607,4 +607,4 @@ TEST(LeafCodec, FourLatticesAtOnceMatchSingleOnes) {
   EXPECT_GT(undecided, 0u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -6,9 +6,9 @@
  * the result is not meaningful. The shader is compiled but not run. */
 
 #version 460
-#include "cbvh/framed/leaf/crossing.h"
-#include "cbvh/framed/normal.h"
-#include "cbvh/framed/tree.h"
+#include "cbvh/paper/leaf/crossing.h"
+#include "cbvh/paper/normal.h"
+#include "cbvh/paper/tree.h"
 
 layout(local_size_x = 64) in;
 

@@ -20,7 +20,7 @@
 #include <random>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -641,4 +641,4 @@ TEST(MeshBlock, ConstantsAndFieldsMatchPage) {
              0, meshHeaderBytes);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

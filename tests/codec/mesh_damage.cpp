@@ -15,7 +15,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -214,4 +214,4 @@ TEST(MeshDamage, RandomBytesAreRejectedOrDecoded) {
   EXPECT_GT(decoded, 20u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -19,7 +19,7 @@
 #include <memory>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -211,4 +211,4 @@ TEST(MeshFiles, StillTreesHaveNoMovingBlocks) {
   EXPECT_EQ(saved.readerError, ErrorCode::DAMAGED);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 
 #include <memory>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -361,4 +361,4 @@ TEST(MeshMotion, ConstantsAndFieldsMatchPage) {
              0, meshStepBytes);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -17,7 +17,7 @@
 #include <set>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -385,4 +385,4 @@ TEST(MeshClusters, GroupsDoNotBridgeGaps) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

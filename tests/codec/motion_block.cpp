@@ -14,7 +14,7 @@
 
 #include <memory>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -199,4 +199,4 @@ TEST(MotionBlock, RandomMotionIsNotLargerThanSeparateSteps) {
   EXPECT_LE(both, alone);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -3,15 +3,15 @@
 
 /* Decoded bounds contain the geometry on all levels, in every arithmetic to which a traversal may be compiled. */
 
-#include "kernels/cbvh/framed/node_encoder.h"
-#include "kernels/cbvh/framed/node_tables.cpp"
+#include "kernels/cbvh/paper/node_encoder.h"
+#include "kernels/cbvh/paper/node_tables.cpp"
 #include "support/decoding_forms.h"
 #include "support/random.h"
 
 #include <algorithm>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -356,4 +356,4 @@ TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

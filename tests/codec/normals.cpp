@@ -3,13 +3,13 @@
 
 /* Geometric normals of hits in the frame of a block, and the rule for flipping them. */
 
-#include "kernels/cbvh/framed/frame_map.h"
-#include "kernels/cbvh/framed/normal.h"
+#include "kernels/cbvh/paper/frame_map.h"
+#include "kernels/cbvh/paper/normal.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -57,4 +57,4 @@ TEST(Normals, FlipIfFacingAwayByLessThan30Degrees) {
     }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

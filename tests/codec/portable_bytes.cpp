@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace cbvh::test {
+namespace programs::test {
 
 std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
                                     int exponent);
@@ -52,4 +52,4 @@ TEST(PortableBytes, PlainCodeMatchesVectorCode) {
 }
 
 } // namespace
-} // namespace cbvh::test
+} // namespace programs::test

@@ -7,11 +7,11 @@
 #define HERE portable
 #include "encode_here.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
                                     int exponent) {
   return portable::encode(steps, width, height, exponent);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

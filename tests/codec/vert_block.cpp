@@ -16,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -565,4 +565,4 @@ TEST(VertHeader, FieldsOfPlaceAndEdgesDoNotOverlap) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -16,7 +16,7 @@
 #include <memory>
 #include <string>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -120,4 +120,4 @@ TEST(VertBytes, MatchPinnedChecksums) {
   if (HasFailure()) std::printf("%s", table.c_str());
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

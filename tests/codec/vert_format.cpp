@@ -5,10 +5,10 @@
  * occur literally on the page. vert_block.cpp tests the block of block_example.md. */
 
 #include "kernels/cbvh/base/primitive_type.h"
-#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/paper/block.h"
 #include "kernels/cvert/format/motion.h"
 #include "kernels/cvert/encoder/lattice.h"
-#include "kernels/cvert/encoder/numbers_encoder.h"
+#include "kernels/cvert/encoder/prim_id_encoder.h"
 #include "kernels/cvert/rule/rule.h"
 #include "kernels/cvert/decoder/validate.h"
 #include "codec/format_pages.h"
@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -33,7 +33,7 @@ TEST(VertFormat, ConstantsMatchPages) {
   const double side = 1u << maxVertLevel;
   EXPECT_EQ(maxVertGroups, (side / groupQuads) * (side / groupQuads));
   EXPECT_EQ(double(vertBlockQuads), side);
-  EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
+  EXPECT_EQ(double(sizeof(VertPrimIDs)), double(vertEdgesBytes));
   expectConstants("block.md", {{"format version, `vertFormatVersion`", vertFormatVersion},
                                {"alignment of a block, bytes", blockAlignment},
                                {"bytes after a block that decoders may read", vertReadPadding},
@@ -155,7 +155,7 @@ TEST(VertFormat, FieldsMatchPages) {
   expectFlag(info[6], hasRemainders);
   EXPECT_EQ(boundsUnit(5u << info[7].first), 32u);
   expectFlag(info[8], hasEdges);
-  expectFlag(info[9], hasNumbers);
+  expectFlag(info[9], hasPrimIDs);
   expectFlag(info[10], isMoving);
   const std::vector<Bits> word = bitsOf("block.md", "`word`");
   ASSERT_EQ(word.size(), 2u);
@@ -267,23 +267,23 @@ TEST(VertFormat, NumbersMatchPage) {
   EXPECT_EQ(packFirstCorners(0, 3), 3u << bits[4].first);
   EXPECT_EQ(firstCornerOfTriangle(2u << bits[3].first, false), 2u);
   EXPECT_EQ(firstCornerOfTriangle(2u << bits[4].first, true), 2u);
-  EXPECT_EQ(patternNumber(numbersRecursive | 0xA5u << bits[5].first, VertNumbers{0, 0}, 5, 8), 0xA5u);
+  EXPECT_EQ(patternNumber(primIDsRecursive | 0xA5u << bits[5].first, VertPrimIDs{0, 0}, 5, 8), 0xA5u);
 
   // rows: X x + Y y
-  EXPECT_EQ(patternNumber(numbersInRows, VertNumbers{3u, ~0u}, 5, 4), 11u);
+  EXPECT_EQ(patternNumber(primIDsInRows, VertPrimIDs{3u, ~0u}, 5, 4), 11u);
   // recursive: C, and bytes of X and Y for bits of x and y, twice for triangles
-  const VertNumbers bytes = {0x40100401u, 0xC0300C03u};
-  EXPECT_EQ(patternNumber(numbersRecursive | 0xFFu << 8, bytes, 5, 8), 0xFFu ^ 0x01u ^ 0x10u ^ 0xC0u);
-  EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles, bytes, 2, 1), 2 * (0x04u ^ 0x03u));
-  EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles | numbersOfTrianglePairs, bytes, 2, 1), 0x04u ^ 0x03u);
+  const VertPrimIDs bytes = {0x40100401u, 0xC0300C03u};
+  EXPECT_EQ(patternNumber(primIDsRecursive | 0xFFu << 8, bytes, 5, 8), 0xFFu ^ 0x01u ^ 0x10u ^ 0xC0u);
+  EXPECT_EQ(patternNumber(primIDsRecursive | primIDsOfTriangles, bytes, 2, 1), 2 * (0x04u ^ 0x03u));
+  EXPECT_EQ(patternNumber(primIDsRecursive | primIDsOfTriangles | primIDsOfTrianglePairs, bytes, 2, 1), 0x04u ^ 0x03u);
   // table: its bits
   alignas(16) uint8_t block[256] = {};
   VertHeader& header = *(VertHeader*)block;
   header.primID = 1000;
   header.region = packRegion(3, 2, 0, 0);
   header.info = 1u << 30;
-  header.patchQuads = numbersInTable;
-  const VertNumbers table = {128, 11};
+  header.patchQuads = primIDsInTable;
+  const VertPrimIDs table = {128, 11};
   std::memcpy(&header + 1, &table, sizeof(table));
   const uint32_t bit = 11 * (3 * 1 + 2); // of quad (2,1)
   for (uint32_t b = 0; b < 11; b++)
@@ -295,42 +295,42 @@ TEST(VertFormat, NumbersMatchPage) {
   // (w1,w2), (w2,w0) or (w0,w1)
   const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b};
   for (uint32_t first = 0; first < 3; first++) {
-    const PrimitiveParameters p = primitiveParameters(numbersOfTriangles | packFirstCorners(first, 0), false, a, b);
+    const PrimitiveParameters p = primitiveParameters(primIDsOfTriangles | packFirstCorners(first, 0), false, a, b);
     EXPECT_EQ(p.u, w[(1 + first) % 3]);
     EXPECT_EQ(p.v, w[(2 + first) % 3]);
     const PrimitiveParameters q =
-        primitiveParameters(numbersOfTriangles | packFirstCorners(0, first), true, 1 - a, 1 - b);
+        primitiveParameters(primIDsOfTriangles | packFirstCorners(0, first), true, 1 - a, 1 - b);
     EXPECT_EQ(q.u, w[(1 + first) % 3]);
     EXPECT_EQ(q.v, w[(2 + first) % 3]);
   }
-  EXPECT_EQ(primitiveParameters(numbersOfTriangles | packFirstCorners(0, 2), true, a, b).u, 0)
+  EXPECT_EQ(primitiveParameters(primIDsOfTriangles | packFirstCorners(0, 2), true, a, b).u, 0)
       << "outside of the second triangle, w0 is negative and is clamped to 0";
   const PrimitiveParameters own = primitiveParameters(0, true, a, b);
   EXPECT_EQ(own.u, a);
   EXPECT_EQ(own.v, b);
   const auto primitive = [&](uint32_t ofNumbers, bool isSecond) {
-    header.patchQuads = numbersInTable | ofNumbers;
+    header.patchQuads = primIDsInTable | ofNumbers;
     return primitiveOfQuad(&header, 2, 1, isSecond).primID;
   };
   EXPECT_EQ(primitive(0, true), 2234u);
-  EXPECT_EQ(primitive(numbersOfTriangles, true), 2235u);
-  EXPECT_EQ(primitive(numbersOfTriangles, false), 2234u);
-  EXPECT_EQ(primitive(numbersOfTriangles | numbersOfOneTriangle, true), 2234u);
+  EXPECT_EQ(primitive(primIDsOfTriangles, true), 2235u);
+  EXPECT_EQ(primitive(primIDsOfTriangles, false), 2234u);
+  EXPECT_EQ(primitive(primIDsOfTriangles | primIDsOfOneTriangle, true), 2234u);
 
   // X and Y elsewhere, and the distance of second triangles
-  const VertNumbers at = {200, 0};
+  const VertPrimIDs at = {200, 0};
   std::memcpy(&header + 1, &at, sizeof(at));
   const uint32_t halves[] = {3, 5, ~0u - 99};
   std::memcpy(block + 200, halves, sizeof(halves));
-  header.patchQuads = numbersInRows | numbersOfTriangles | numbersOfTrianglePairs;
+  header.patchQuads = primIDsInRows | primIDsOfTriangles | primIDsOfTrianglePairs;
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1011u);
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 911u);
 
   // a table of triangles: entries of 7 bits; 2 of them are the first corner
   std::memset(block + 128, 0, 128);
-  const VertNumbers ofTriangles = {128, 7};
+  const VertPrimIDs ofTriangles = {128, 7};
   std::memcpy(&header + 1, &ofTriangles, sizeof(ofTriangles));
-  header.patchQuads = numbersInTriangleTable | numbersOfTriangles;
+  header.patchQuads = primIDsInTriangleTable | primIDsOfTriangles;
   const uint32_t entry = 2 * (3 * 1 + 2) + 1; // of the second triangle of quad (2,1)
   for (uint32_t b = 0; b < 7; b++)
     if (((21u << 2 | 2u) >> b) & 1) block[128 + (7 * entry + b) / 8] |= uint8_t(1u << ((7 * entry + b) % 8));
@@ -358,21 +358,21 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip) {
     return n;
   };
   const Case cases[] = {
-      {"next to each other", numbersInRows, false, [&](uint32_t i) { return Quad{2 * i, 2 * i + 1, turned}; }},
-      {"first halves before second ones", numbersInRows, true, [&](uint32_t i) { return Quad{i, 360 + i, turned}; }},
-      {"second halves before first ones", numbersInRows, true, [&](uint32_t i) { return Quad{360 + i, i, turned}; }},
-      {"recursive", numbersRecursive, true,
+      {"next to each other", primIDsInRows, false, [&](uint32_t i) { return Quad{2 * i, 2 * i + 1, turned}; }},
+      {"first halves before second ones", primIDsInRows, true, [&](uint32_t i) { return Quad{i, 360 + i, turned}; }},
+      {"second halves before first ones", primIDsInRows, true, [&](uint32_t i) { return Quad{360 + i, i, turned}; }},
+      {"recursive", primIDsRecursive, true,
        [&](uint32_t i) { return Quad{recursive(i), recursive(i) + 1024, turned}; }},
-      {"first halves in any order", numbersInTable, true,
+      {"first halves in any order", primIDsInTable, true,
        [&](uint32_t i) { return Quad{shuffled[i], shuffled[i] + 720, turned}; }},
-      {"any order", numbersInTriangleTable, false,
+      {"any order", primIDsInTriangleTable, false,
        [&](uint32_t i) { return Quad{shuffled[2 * i], shuffled[2 * i + 1], turned}; }},
-      {"any first corners", numbersInTriangleTable, false,
+      {"any first corners", primIDsInTriangleTable, false,
        [&](uint32_t i) { return Quad{2 * i, 2 * i + 1, packFirstCorners(i % 3, i / 7 % 3)}; }}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     QuadNumbers numbers;
-    numbers.numbering = numbersOfTriangles;
+    numbers.numbering = primIDsOfTriangles;
     numbers.width = 20;
     for (unsigned i = 0; i < 20 * 18; i++) {
       const Quad quad = c.quad(i);
@@ -389,9 +389,9 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip) {
     header.patchQuads = encoder.numbering;
     std::memcpy(&header + 1, &encoder.pattern, sizeof(encoder.pattern));
     const size_t size = encoder.finish(&header, 75);
-    EXPECT_EQ(patternOfNumbers(encoder.numbering), c.pattern);
+    EXPECT_EQ(patternOfPrimIDs(encoder.numbering), c.pattern);
     EXPECT_EQ(haveTrianglePairs(encoder.numbering), c.hasHalves);
-    if (c.hasHalves && c.pattern != numbersInTable) { EXPECT_EQ(size, 76 + sizeof(VertTrianglePairs)); }
+    if (c.hasHalves && c.pattern != primIDsInTable) { EXPECT_EQ(size, 76 + sizeof(VertTrianglePairs)); }
     for (unsigned y = 0; y < 16; y++)
       for (unsigned x = 0; x < 4; x++) {
         const unsigned i = (y + 2) * 20 + x + 16;
@@ -405,4 +405,4 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 #include <array>
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -173,4 +173,4 @@ TEST(VertRule, OrderOfTwoTrianglesIsTotal) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

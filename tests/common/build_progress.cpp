@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class BuildProgress : public testing::TestWithParam<RepresentationKind> {
 protected:
@@ -60,4 +60,4 @@ INSTANTIATE_TEST_SUITE_P(, BuildProgress,
                            return name;
                          });
 
-}} // namespace cbvh::test
+}} // namespace programs::test

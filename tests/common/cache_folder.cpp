@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Sets or unsets an environment variable until the end of a test. */
 class Variable {
@@ -48,4 +48,4 @@ TEST(CacheFolder, MissingFolderIsAnError) {
   EXPECT_THROW(userCacheFolder(), Error);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -11,7 +11,7 @@
 
 #include <sstream>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* A cube of 2 x 2 x 2 around the origin with outward faces; face 0 is at -x, face 5 at +z. */
 const std::string cube = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
@@ -88,4 +88,4 @@ std::string kindName(const testing::TestParamInfo<RepresentationKind>& info) {
 INSTANTIATE_TEST_SUITE_P(Kinds, CageTags, testing::Values(RepresentationKind::Grid, RepresentationKind::CLeaf),
                          kindName);
 
-}} // namespace cbvh::test
+}} // namespace programs::test

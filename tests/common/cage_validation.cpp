@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 Cage withFaces(size_t vertices, const std::vector<std::vector<unsigned>>& faces) {
   Cage cage;
@@ -231,4 +231,4 @@ TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers) {
   EXPECT_FALSE(isNamed(chaikin)) << "Embree's own rule";
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

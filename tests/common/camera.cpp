@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 TEST(Camera, FittedViewContainsAllPointsCenteredAndUpToItsBorder) {
   Random random(7);
@@ -99,4 +99,4 @@ TEST(Camera, DescriptionIsTheSameViewFarFromTheOrigin) {
   EXPECT_EQ(read.fov(), camera.fov());
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 BuildSettings atLevel(int level) {
   BuildSettings settings;
@@ -90,4 +90,4 @@ TEST(CompactTriangles, MeshesHaveEmbreesKernelInCompactMode) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

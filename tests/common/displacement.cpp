@@ -17,7 +17,7 @@
 #include <sstream>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Two adjacent quads with one atlas: face 0 left, face 1 right. */
 Cage twoQuads() {
@@ -561,4 +561,4 @@ TEST(Displacement, CubeSpikesVanishOnTheBorders) {
   EXPECT_NEAR(offset(*cube.displacement, 2, 0.5f, 0.5f), cubeAmplitude * cube.cage.bounds().diagonal(), 1e-6f);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

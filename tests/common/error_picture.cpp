@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <array>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using Rgb = std::array<uint8_t, 3>;
 
@@ -115,4 +115,4 @@ TEST(QuadSize, IsTheLengthOfAnEdgeInPixels) {
   EXPECT_EQ(medianQuadSize(size, hits, 5), 0.0f) << "faces are smaller than pixels";
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -24,7 +24,7 @@
 #include <iterator>
 #include <map>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 namespace fs = std::filesystem;
 
@@ -180,4 +180,4 @@ TEST_F(ExrMaps, HeightsAreWrittenIntoAChannelThatDwaKeeps) {
   for (int i = 0; i < 64 * 64; i++) EXPECT_EQ(again.at(i % 64, i / 64), map.at(i % 64, i / 64));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

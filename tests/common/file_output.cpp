@@ -26,7 +26,7 @@
 #include <system_error>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 namespace fs = std::filesystem;
 
@@ -285,4 +285,4 @@ TEST_F(FileOutput, InputsAreNotReplaced) {
   EXPECT_EQ(textOf(at("moved.png")), "x");
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

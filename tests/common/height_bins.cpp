@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr int level = 4;
 constexpr float width = 8.0f, footprint = 1.0f / 64.0f, distance = 4.0f;
@@ -97,4 +97,4 @@ TEST(HeightBins, BlocksWithoutNormalHaveNone) {
   EXPECT_EQ(bins(model, {0, 0, -1}, 4).hits, 1u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

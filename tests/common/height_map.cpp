@@ -12,7 +12,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 namespace fs = std::filesystem;
 
@@ -117,4 +117,4 @@ TEST_F(HeightMapFile, UnwritableFolderIsAnError) {
   EXPECT_THROW(smallMap().write((folder / "missing" / "map.exr").string()), Error);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 SurfaceHit hitAt(float t, unsigned face = 0, float u = 0.5f, float v = 0.5f, Vec3f normal = {0, 0, 2}) {
   SurfaceHit hit;
@@ -83,4 +83,4 @@ TEST(HitMetrics, NearerHitsUseTheSmallerDistanceAndAnyHit) {
   EXPECT_EQ(n[2].t, 3.0f);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -15,7 +15,7 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Creases some of the edges, with equal sharpness. */
 Cage creased(Cage cage, float sharpness, Random& random) {
@@ -508,4 +508,4 @@ TEST(LimitSurface, MatchesEmbreeAfterOneStepOfOpenSubdiv) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -20,7 +20,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 namespace fs = std::filesystem;
 
@@ -530,4 +530,4 @@ TEST_F(MapFormats, PipesAreRejectedWithoutOpeningThem) {
   EXPECT_EQ(HeightMap::recipeOf(path), "");
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

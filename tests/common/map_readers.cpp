@@ -19,7 +19,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr int width = 23, height = 13;
 
@@ -344,4 +344,4 @@ TEST_F(MapReaders, ImagesThatOpenImageIoMakesUpAreRejected) {
   EXPECT_TRUE(containsInOrder(errorOf(path), {path, "extension"}));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -18,7 +18,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 Cage read(const std::string& text) {
   std::istringstream stream(text);
@@ -287,4 +287,4 @@ TEST(ObjReader, SubdivisionRulesAreReadOrCauseWarnings) {
   EXPECT_EQ(warnings.find('\n'), warnings.size() - 1) << "one line: " << warnings;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -9,7 +9,7 @@
 #include <atomic>
 #include <cstdlib>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 TEST(Parallel, RangesCoverAllIndicesOnce) {
   for (size_t n : {0, 1, 63, 1000})
@@ -34,4 +34,4 @@ TEST(Parallel, RunsOnTheThreadsThatTheSystemCreates) {
   EXPECT_EXIT(child(), testing::ExitedWithCode(0), "");
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* A plane of unit squares, each with a random first corner. */
 TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces) {
@@ -68,4 +68,4 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -16,7 +16,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Handlers and flags belong to the process: code that sets them runs in its own process. */
 
@@ -56,4 +56,4 @@ TEST(CancelDeathTest, HangingProcessIsEndedAndItsFileRemoved) {
   std::filesystem::remove_all(folder);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

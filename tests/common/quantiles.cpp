@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 TEST(Quantiles, AreNearestRanks) {
   std::vector<float> values;
@@ -25,4 +25,4 @@ TEST(Quantiles, MedianAndInterquartileRange) {
   EXPECT_EQ(interquartileRange({1, 2, 3, 4, 100}), 2) << "one outlier has no effect";
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 std::vector<Ray> numbered(ImageSize size) {
   std::vector<Ray> rays(size_t(size.width) * size.height);
@@ -81,4 +81,4 @@ TEST(RaySets, BouncesAreTheSameForTheSameSeed) {
   EXPECT_LT(same, 20u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

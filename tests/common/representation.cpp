@@ -13,7 +13,7 @@
 #include <cctype>
 #include <utility>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 TEST(Representation, ListsAcceptFrameLevelsPerEntry) {
   const auto list = parseRepresentations("NAIVE,grid,cGRID,cvoxel^3,cleaf:0,cleaf:auto", 2);
@@ -129,4 +129,4 @@ TEST(Representation, RejectsUnknownNames) {
   EXPECT_NO_THROW(parseRepresentations("cleaf,cleaf^3", 2));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -15,7 +15,7 @@
 #include <utility>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Returns the exit status and the output to stderr. */
 std::pair<int, std::string> outcome(const std::function<int()>& run) {
@@ -76,4 +76,4 @@ TEST(RunProgram, RemovesEmptyOutputFoldersAfterFailures) {
   fs::remove_all(folder);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

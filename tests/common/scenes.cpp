@@ -30,7 +30,7 @@
 #include <sstream>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 double volume(const Cage& cage, const std::vector<size_t>& faces) {
   double sum = 0; // by the divergence theorem; positive if faces are oriented outwards
@@ -372,4 +372,4 @@ TEST(Catalogue, OptionsBelongToTheirScenes) {
   EXPECT_EQ(complaint(s), "");
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

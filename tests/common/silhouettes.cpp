@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // A camera in front of planes, and the hit of each pixel.
 class Silhouettes : public testing::Test {
@@ -60,4 +60,4 @@ TEST_F(Silhouettes, AreNextToStepsAndTheBackground) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -20,7 +20,7 @@
 #include <set>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr float background = 0.0f;
 
@@ -423,4 +423,4 @@ TEST_F(TextureSeams, TheLargestGapIsReported) {
   EXPECT_LT(BuiltScene(agreeing, {RepresentationKind::CVert}, settings).report().seams.quads, 0.2f);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

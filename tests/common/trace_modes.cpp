@@ -16,7 +16,7 @@
 
 #include <cstdlib>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr TraceMode allModes[] = {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16,
                                   TraceMode::Stream};
@@ -126,4 +126,4 @@ TEST(TraceTiming, NamesRoundTrip) {
   EXPECT_THROW(parseQuery(""), Error);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

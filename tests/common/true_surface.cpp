@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* --- distances ------------------------------------------------------------------- */
 
@@ -236,4 +236,4 @@ TEST(TrueErrors, SampleIsDeterminedBySeedAndComplete) {
   for (size_t i : some) EXPECT_TRUE(hits[i].hit());
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 
 #include <sstream>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* --- shapes with y up, standing on y = 0, facing z ----------------------------------------- */
 
@@ -232,4 +232,4 @@ TEST(UpAxis, HintsConvertInBothDirections) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 /* Powers of two change no digit, also where the square of the length is out of range. */
 TEST(Vec, LengthAndDirectionAreAccurateAtEveryScale) {
@@ -25,4 +25,4 @@ TEST(Vec, LengthOfZeroAndOfInfinityIsTheSame) {
   EXPECT_FALSE(hasDirection(Vec3f{}));
 }
 
-}} // namespace cbvh
+}} // namespace programs

@@ -7,7 +7,7 @@
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 void decode(const VertHeader* block, uint32_t step) {
@@ -35,17 +35,17 @@ void decode(const VertHeader* block, uint32_t step) {
 
 void writeSeeds(const std::string& folder) { writeBlockSeeds(folder); }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   if (size == 0) return 0;
   const ExactMemory bytes(data, size, 16);
   if (validateVert(bytes.get(), size)) return 0;
   const VertHeader* const block = (const VertHeader*)bytes.get();
   REQUIRE(vertBytes(block) <= size);
   for (uint32_t step = 0; step < (isMoving(block->info) ? motionOf(block).numSteps : 1); step++) decode(block, step);
-  if (hasNumbers(block->info))
+  if (hasPrimIDs(block->info))
     for (uint32_t y = 0; y < vertQuadsY(block->region); y++)
       for (uint32_t x = 0; x < vertQuadsX(block->region); x++) {
         primitiveOfQuad(block, x, y, false);

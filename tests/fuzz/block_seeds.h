@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 using namespace cvert;
 
@@ -64,4 +64,4 @@ inline void writeBlockSeeds(const std::string& folder) {
       }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

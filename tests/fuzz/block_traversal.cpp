@@ -14,12 +14,12 @@
  * --seeds=DIRECTORY writes blocks of the encoder with rays as the initial corpus. */
 
 #include "fuzz_support.h"
-#include "kernels/cbvh/framed/block_encoder.h"
+#include "kernels/cbvh/paper/block_encoder.h"
 #include "kernels/cbvh/traversal/leaf_intersectors1.h"
 
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using namespace embree;
@@ -43,7 +43,7 @@ bool isSound(const RayBytes& ray, const Block* block) {
          ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
 }
 
-// FRAME: as computed by fitBox (framed/frame_fit.h): the box is a bounded region of the world of at least the
+// FRAME: as computed by fitBox (paper/frame_fit.h): the box is a bounded region of the world of at least the
 // smallest size, no side is much shorter than another, and W is in its range.
 bool isSound(const Block* block) {
   bool ok = isFinite(block->center);
@@ -176,10 +176,10 @@ void writeSeeds(const std::string& directory) {
       }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   static const World world;
   RayBytes ray;
   if (!ray.read(data, size, sizeof(Block))) return 0;

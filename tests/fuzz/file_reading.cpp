@@ -17,7 +17,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 // A file in memory with a path.
@@ -221,11 +221,11 @@ void writeSeeds(const std::string& folder) {
   writeSeed(folder + "/" + std::to_string(n++), withOverlap(two));
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string file((const char*)data, size);
-  ::cbvh::test::seal(file);
-  ::cbvh::test::read(file);
+  ::programs::test::seal(file);
+  ::programs::test::read(file);
   return 0;
 }

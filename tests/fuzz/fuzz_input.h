@@ -18,7 +18,7 @@
     } \
   } while (false)
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Writes the initial corpus of a target for --seeds=FOLDER. Each target defines it.
 void writeSeeds(const std::string& folder);
@@ -43,12 +43,12 @@ private:
   void* memory = nullptr;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" inline __attribute__((used)) int LLVMFuzzerInitialize(int* argc, char*** argv) {
   const std::string option = "--seeds=";
   for (int i = 1; i < *argc; i++)
     if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0)
-      ::cbvh::test::writeSeeds((*argv)[i] + option.size());
+      ::programs::test::writeSeeds((*argv)[i] + option.size());
   return 0;
 }

@@ -10,7 +10,7 @@
 #include "kernels/common/scene.h"
 #include <embree3/rtcore.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct RayBytes {
   float org[3], tnear;
@@ -59,4 +59,4 @@ inline void writeSeedsWithRays(const std::string& path, const void* block, size_
               std::string((const char*)&ray, sizeof(ray)) + std::string((const char*)block, bytes));
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

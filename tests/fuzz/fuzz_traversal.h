@@ -8,11 +8,11 @@
 
 #include "fuzz_support.h"
 #include "kernels/common/context.h"
-#include "kernels/cvert/basics/world.h"
+#include "kernels/cvert/portable/world.h"
 
 #include <cmath>
 
-namespace cbvh::test {
+namespace programs::test {
 
 using namespace embree;
 using cvert::isFinite;
@@ -92,4 +92,4 @@ void traceAndCompare(RTCScene scene, const RayBytes& bytes, const HitLimits& lim
   REQUIRE(intersect(occluded, &context) == found[true]);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

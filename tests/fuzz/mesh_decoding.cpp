@@ -8,7 +8,7 @@
 #include "mesh_seeds.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 void writeSeeds(const std::string& folder) {
   forEachMeshSeed([&](const std::string& name, const void* block, size_t bytes) {
@@ -35,10 +35,10 @@ void decode(const MeshHeader* block, uint32_t step) {
 }
 
 } // namespace
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   if (size == 0) return 0;
   if (const ExactMemory bytes(data, size, 16); validateMesh(bytes.get(), size)) return 0;
   std::vector<uint8_t> padded(data, data + size);

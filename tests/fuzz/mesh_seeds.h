@@ -14,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 using namespace cvert;
 
@@ -78,4 +78,4 @@ void forEachMeshSeed(const Write& write) {
     }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
+namespace programs::test {
 
 void writeSeeds(const std::string& folder) {
   forEachMeshSeed([&](const std::string& name, const void* block, size_t bytes) {
@@ -54,10 +54,10 @@ bool intersect(RayType& ray, IntersectContext* context, const MeshHeader* block)
 }
 
 } // namespace
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   static const World world;
   RayBytes ray;
   if (!ray.read(data, size, sizeof(MeshHeader))) return 0;

@@ -16,7 +16,7 @@
 #include <numeric>
 #include <sstream>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 constexpr const char* name = "cage.obj";
@@ -66,15 +66,15 @@ void writeSeeds(const std::string& folder) {
   for (const ObjDialect& dialect : objDialects()) writeSeed(folder + "/" + std::to_string(n++), dialect.text);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   std::istringstream stream(std::string(reinterpret_cast<const char*>(data), size));
   std::string warnings;
   try {
-    check(::cbvh::readObj(stream, name, warnings));
-  } catch (const ::cbvh::Error& e) {
+    check(::programs::readObj(stream, name, warnings));
+  } catch (const ::programs::Error& e) {
     const std::string message = e.what();
     REQUIRE(message.rfind(name, 0) == 0 && message.find('\n') == std::string::npos && isPrintable(message));
   }

@@ -17,7 +17,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using namespace cvert;
@@ -120,9 +120,9 @@ void writeSeeds(const std::string& folder) {
   }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  ::cbvh::test::encode(data, size);
+  ::programs::test::encode(data, size);
   return 0;
 }

@@ -23,7 +23,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using namespace embree;
@@ -42,20 +42,20 @@ constexpr size_t readPadding = 16; // equals vertReadPadding
 size_t blockBytes(const uint8_t* data, size_t size) {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  const bool hasOffsets = hasNumbers(header.info) && (haveTrianglePairs(header.patchQuads) ||
-                                                      patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
+  const bool hasOffsets = hasPrimIDs(header.info) && (haveTrianglePairs(header.patchQuads) ||
+                                                      patternOfPrimIDs(header.patchQuads) == primIDsInTriangleTable);
   if (isMoving(header.info) || hasRemainders(header.info) || hasOffsets) { // validated before traversal
     const ExactMemory aligned(data, size, alignment);
     return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
   }
   const VertLayout layout = vertLayout(header.region, header.info);
-  if (size < layout.margins || (hasEdges(header.info) && hasNumbers(header.info))) return 0;
+  if (size < layout.margins || (hasEdges(header.info) && hasPrimIDs(header.info))) return 0;
   size_t tableEnd = 0;
-  if (hasNumbers(header.info)) {
+  if (hasPrimIDs(header.info)) {
     if (firstCornerOfTriangle(header.patchQuads, false) > 2 || firstCornerOfTriangle(header.patchQuads, true) > 2)
       return 0;
-    const VertNumbers numbers = numbersOf((const VertHeader*)data);
-    if (patternOfNumbers(header.patchQuads) == numbersInTable) {
+    const VertPrimIDs numbers = numbersOf((const VertHeader*)data);
+    if (patternOfPrimIDs(header.patchQuads) == primIDsInTable) {
       if (numbers.y > 32) return 0;
       tableEnd =
           size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region) * vertQuadsY(header.region), numbers.y);
@@ -122,11 +122,11 @@ void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spa
   uint8_t* const data = (uint8_t*)memory.data();
   VertStatistics statistics;
   const size_t bytes = encoder.encode(
-      VertPlacement(packRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
+      VertPlacement(packRegion(quadsX, quadsY, 0, 0), primIDsInTable, VertPrimIDs{0, bits}), data, statistics);
   if (bytes == 0) return;
   VertHeader* block = (VertHeader*)data;
   block->surface = block->primID = 0;
-  const VertNumbers numbers = {uint32_t(bytes) + gap, bits};
+  const VertPrimIDs numbers = {uint32_t(bytes) + gap, bits};
   memcpy(block + 1, &numbers, sizeof(numbers));
   for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37 * i);
   writeSeedsWithRays(name, block, numbers.x + table);
@@ -163,10 +163,10 @@ void writeSeeds(const std::string& directory) {
       }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   static const World world;
   RayBytes ray;
   if (!ray.read(data, size, sizeof(VertHeader))) return 0;

@@ -5,11 +5,11 @@
 // the padding after it. block_decoding.cpp tests the scalar decoder.
 
 #include "block_seeds.h"
-#include "kernels/cbvh/vert/motion_decoder.h"
+#include "kernels/cbvh/exact/motion_decoder.h"
 
 #include <memory>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using namespace embree::cbvh;
@@ -40,10 +40,10 @@ void decode(const VertHeader* block) {
 
 void writeSeeds(const std::string& folder) { writeBlockSeeds(folder); }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace ::cbvh::test;
+  using namespace ::programs::test;
   if (size == 0) return 0;
   const ExactMemory bytes(data, size, 16);
   if (validateVert(bytes.get(), size)) return 0;

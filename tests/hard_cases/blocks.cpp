@@ -6,7 +6,7 @@
 #include "hard_cases/hard_case.h"
 #include "support/reference_check.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const Placement atOrigin = {1, {0, 0, 0}};
 
@@ -150,4 +150,4 @@ TEST_P(HardBlocks, FarFromTheOrigin) {
   trace(allShapes, {{1e-3, {0.5, -0.25, 1}}, {1, {148376, 1234, -223423}}, {1e3, {1e6, 1e6, -1e6}}}, 2);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

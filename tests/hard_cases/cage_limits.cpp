@@ -9,7 +9,7 @@
 
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Faces around vertex 0 with these numbers of vertices; open, over five sixths of a circle. */
 Cage fanCage(const std::vector<unsigned>& sizes) {
@@ -199,4 +199,4 @@ TEST_P(CageLimits, FacesThatLoseTheirEdges) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -6,7 +6,7 @@
 #include "hard_cases/hard_case.h"
 #include "support/grid_agreement.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -201,4 +201,4 @@ TEST_P(HardCages, NonManifoldEdges) {
   expectAgreement(cubes, {}, 0.01f);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -6,7 +6,7 @@
 #include "hard_cases/hard_case.h"
 #include "support/grid_agreement.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class HardDisplacement : public HardCase {
 protected:
@@ -98,4 +98,4 @@ TEST_P(HardDisplacement, FoldsAreHitAtNearestPart) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

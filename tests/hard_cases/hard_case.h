@@ -11,7 +11,7 @@
 
 #include <ostream>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct Tracer {
   RTCCompression compression;
@@ -55,4 +55,4 @@ protected:
   void property(const std::string& sentence) { RecordProperty("property", sentence); }
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -12,7 +12,7 @@
 #include <functional>
 #include <sstream>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // --- entrances -----------------------------------------------------------------------------------
 
@@ -216,4 +216,4 @@ TEST_P(HardOddRays, DirectionsWithoutReciprocalMiss) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

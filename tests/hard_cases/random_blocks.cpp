@@ -3,13 +3,13 @@
 
 /* Random blocks of the encoder: the bounds that every ISA decodes contain their vertices. */
 
-#include "kernels/cbvh/framed/block_encoder.h"
+#include "kernels/cbvh/paper/block_encoder.h"
 #include "support/decoding_forms.h"
 #include "support/random_sheets.h"
 
 #include <cstdio>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 void* align(void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); }
 
@@ -82,4 +82,4 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic) {
   EXPECT_GT(blocks, sheets - sheets / 10);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -7,7 +7,7 @@
 #include "support/edge_rates.h"
 #include "support/grid_agreement.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class HardRates : public HardCase {
 protected:
@@ -79,4 +79,4 @@ TEST_P(HardRates, Rate4096) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -7,7 +7,7 @@
 #include "support/reference_check.h"
 #include "support/vertex_recorder.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class HardRays : public HardCase {
 protected:
@@ -147,4 +147,4 @@ TEST_P(HardRays, RaysBeyondLimitsTerminate) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -105,7 +105,7 @@ for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags
     fail "pkg-config embree_cbvh leads to our Embree"
 done
 mkdir "$work/beside"
-cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/beside/"
+cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/capi/*.cpp "$here"/../../tutorials/capi/*.h "$work/beside/"
 "$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DHOST_EMBREE="$host" \
   > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
   {

@@ -6,8 +6,8 @@
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
-#include "kernels/cbvh/vert/mesh_decoder.h"
-#include "kernels/cbvh/vert/triangles.h"
+#include "kernels/cbvh/exact/mesh_decoder.h"
+#include "kernels/cbvh/exact/triangles.h"
 #include "support/random.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -172,4 +172,4 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound) {
   EXPECT_GT(onEdges, 50u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -5,7 +5,7 @@
  * exactly. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every ISA,
  * outside of the library. */
 
-#include "kernels/cbvh/vert/moving_mesh.h"
+#include "kernels/cbvh/exact/moving_mesh.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "support/moving_mesh.h"
 
@@ -17,7 +17,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 using namespace embree::isa::cbvh;
@@ -93,4 +93,4 @@ TEST(MeshMotionDecoding, SegmentsMatchScalarDecoder) {
   EXPECT_GT(statistics.shearedBlocks, 20u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -5,7 +5,7 @@
  * exactly. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every
  * ISA, outside of the library. */
 
-#include "kernels/cbvh/vert/moving_block.h"
+#include "kernels/cbvh/exact/moving_block.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "support/moving_sheet.h"
 
@@ -17,7 +17,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 using namespace embree::isa::cbvh;
@@ -127,4 +127,4 @@ TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes) {
   EXPECT_EQ(missed, 0u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares the traversal's decoders of nodes and of cLEAF groups with the scalar decoders of framed/node.h and
- * framed/leaf/format.h, child by child: random words, random parents. Compiled once for every ISA, outside of the
+/* Compares the traversal's decoders of nodes and of cLEAF groups with the scalar decoders of paper/node.h and
+ * paper/leaf/format.h, child by child: random words, random parents. Compiled once for every ISA, outside of the
  * library.
  *
  * If all planes of a parent are multiples of 2^-12, no operation rounds: planes of nodes are multiples of 1/256 of
@@ -11,7 +11,7 @@
  * which float represents. For such parents both results must be bit-identical, fused or not; for others they may round
  * differently, by at most maxRounding. */
 
-#include "kernels/cbvh/framed/node_decoder4.h"
+#include "kernels/cbvh/paper/node_decoder4.h"
 #include "support/random.h"
 
 #include <cstring>
@@ -20,7 +20,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -184,4 +184,4 @@ TEST(SimdDecoding, NodesMatchWithinRoundingInAnyParent) { compareNodes(92, anyBo
 TEST(SimdDecoding, GroupsMatchScalarDecodersWithoutRounding) { compareGroups(93, coarseBox, 0); }
 TEST(SimdDecoding, GroupsMatchWithinRoundingInAnyParent) { compareGroups(94, anyBox, maxRounding); }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
  * rule and of the traversal order than in blocks of the encoder. */
 
 #include "kernels/common/scene.h"
-#include "kernels/cbvh/framed/block_intersector1.h"
+#include "kernels/cbvh/paper/block_intersector1.h"
 #include "support/scalar_intersector.h"
 #include "support/encoded_block.h"
 #include "support/random.h"
@@ -26,7 +26,7 @@ const char* const programIsa = TEST_ISA;
 
 // --- a ray that stores hits here instead of calling Embree's epilogues ----------------------
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct RecordingRay : public embree::Ray {
   using embree::Ray::Ray;
@@ -61,18 +61,18 @@ bool report(AnyHitRay& ray, embree::IntersectContext*, Reported&&...) {
   return ray.found = true;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 namespace embree::isa::cbvh {
-template<> struct IsAnyHit<::cbvh::test::RecordingRay> {
+template<> struct IsAnyHit<::programs::test::RecordingRay> {
   static const bool value = false;
 };
-template<> struct IsAnyHit<::cbvh::test::AnyHitRay> {
+template<> struct IsAnyHit<::programs::test::AnyHitRay> {
   static const bool value = true;
 };
 } // namespace embree::isa::cbvh
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 namespace simd = embree::isa::cbvh;
@@ -631,4 +631,4 @@ TEST(NearestHit, FinalTfarBelongsToTheNearestHit) {
   EXPECT_EQ(nearest.finalTfar(0.5f), 0.5f) << "a filter has decreased tfar";
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -7,8 +7,8 @@
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "kernels/cbvh/base/block_validity.h"
-#include "kernels/cbvh/vert/decoder.h"
-#include "kernels/cbvh/vert/triangles.h"
+#include "kernels/cbvh/exact/decoder.h"
+#include "kernels/cbvh/exact/triangles.h"
 #include "support/random.h"
 
 #include <memory>
@@ -18,7 +18,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
@@ -277,4 +277,4 @@ TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible) {
   mappedBlockValidator = nullptr;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -3,13 +3,13 @@
 
 /* Alignment of the frames of blocks that the library built. */
 
-#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/paper/block.h"
 #include "support/displaced_sheet.h"
 #include "support/scene_blocks.h"
 
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using embree::cbvh::Block;
 
@@ -36,4 +36,4 @@ TEST(BlockFrames, FramesOfLeavesFollowSmoothSurface) {
   EXPECT_NEAR(uprightness("subdiv_accel=cbvh.grid,cbvh_frame_level=0"), 1 / std::sqrt(5), 1e-6);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Independently of the tasks that build both.
 TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors) {
@@ -87,4 +87,4 @@ TEST(BuildEdgeCases, GeometryWithoutFacesDoesNotCauseRebuilds) {
   EXPECT_EQ(stats.numBlocks + stats.numQuads + stats.topLevelBytes, 0u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -12,7 +12,7 @@
 
 #include <map>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class CageTopology : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT),
@@ -375,4 +375,4 @@ TEST_P(CageTopology, FacesOnAnEdgeShareVerticesIfAThirdIsLeftOut) {
     }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -15,7 +15,7 @@
 
 #include <exception>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr RTCCompressedClusterFormat FLOAT3 = RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3,
                                      COMPRESSED1 = RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1,
@@ -254,4 +254,4 @@ TEST(Clusters, CallbackMayReleaseTheGeometry) {
   EXPECT_LT(memory.live, before);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -24,7 +24,7 @@
 #include <memory>
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using cvert::ErrorCode;
 
@@ -399,4 +399,4 @@ TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit) {
   EXPECT_EQ(codeOf([&] { surface.appendToList(block.data(), bytes); }), ErrorCode::INVALID_ARGUMENT);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr unsigned N = 8;
 constexpr unsigned words = sizeof(RTCRayHit8) / 4 / N;
@@ -326,4 +326,4 @@ TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays) {
   EXPECT_LE(others, rays.size() / 1000);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <memory>
 #include <sstream>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 std::string commitTextOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add) {
   testing::internal::CaptureStdout();
@@ -395,4 +395,4 @@ TEST(CoarseLattice, IsTheOneOfTheMeshBlocks) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -16,7 +16,7 @@
 #include <set>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 std::vector<RTCRayHit> timedRays(Random& random, unsigned count, bool moves) {
   std::vector<RTCRayHit> rays = raysAt(random, count);
@@ -582,4 +582,4 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently) {
     EXPECT_EQ(bytesOf(folder / (std::to_string(t) + "-saved")), bytesOf(folder / std::to_string((t + 11) % 4)));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

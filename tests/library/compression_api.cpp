@@ -19,7 +19,7 @@
 #include <malloc.h>
 #include <mutex>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // According to the statistics of the cube's scene.
 std::string representationOf(RTCScene scene) {
@@ -763,4 +763,4 @@ TEST(DeviceString, UnknownKeysGetSuggestion) {
   rtcReleaseDevice(device);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -10,14 +10,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 RTCCompressionStatistics statisticsOf(RTCDevice device,
                                       const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces) {
   Scene scene(device);
   for (const auto& surface : surfaces) addSurface(device, scene, *surface.first, *surface.second);
   rtcCommitScene(scene);
-  return cbvh::test::statisticsOf(scene);
+  return programs::test::statisticsOf(scene);
 }
 
 // Compares all bytes, so that members of later versions are included.
@@ -243,7 +243,7 @@ TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare) {
     attach(scene, newMesh(device, mesh, RTC_COMPRESSION_CVERT, 0, timeSteps));
     rtcCommitScene(scene);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
+    const RTCCompressionStatistics stats = programs::test::statisticsOf(scene);
     EXPECT_EQ(stats.numIrregularQuads, 256u);
     EXPECT_EQ(stats.numMovingQuads, timeSteps > 1 ? 256u : 0u);
     return stats.maxVertexSpacing;
@@ -275,7 +275,7 @@ TEST(CompressionStatistics, SpacingIsAtMostThePixelErrorAtTheNearestVertex) {
     attach(scene, geometry);
     rtcCommitScene(scene);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
+    const RTCCompressionStatistics stats = programs::test::statisticsOf(scene);
     EXPECT_EQ(stats.numUncompressedQuads, 0u);
     return stats.maxVertexSpacing;
   };
@@ -393,7 +393,7 @@ TEST(CompressionStatistics, MeshesWithoutGridsUseOneCache) {
     mesh.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
   for (unsigned i = 0; i < 300; i++) mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   const MeshScene scene(device, mesh, RTC_COMPRESSION_CVERT);
-  const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
+  const RTCCompressionStatistics stats = programs::test::statisticsOf(scene);
   EXPECT_EQ(stats.numIrregularQuads, 150u);
   EXPECT_GT(stats.cacheBytesPerThread, size_t(1) << 16);
   EXPECT_LE(stats.cacheBytesPerThread, cacheLimit());
@@ -463,4 +463,4 @@ TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

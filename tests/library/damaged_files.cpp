@@ -3,7 +3,7 @@
 
 /* Damaged files of compressed geometry, and disks that reject writes. */
 
-#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/paper/block.h"
 #include "support/child_process.h"
 #include "support/file_calls.h"
 #include "support/file_mutations.h"
@@ -21,7 +21,7 @@
 #include <sys/wait.h>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // A cVERT block of floats: a sheet of quads at z = 0, and boxes that are larger by `margin`. A moving block has two
 // equal time steps.
@@ -670,4 +670,4 @@ TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile) {
   rtcReleaseGeometry(geometry);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

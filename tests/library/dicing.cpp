@@ -12,7 +12,7 @@
 
 #include <limits>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
 
@@ -397,4 +397,4 @@ TEST(Dicing, CagesWithInvalidIndicesAreRejected) {
   rtcReleaseGeometry(geometry);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

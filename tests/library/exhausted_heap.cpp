@@ -11,7 +11,7 @@
 
 #include <memory>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 TEST(ExhaustedHeap, LoadedGeometriesAreReleased) {
   Folder folder;
@@ -64,4 +64,4 @@ TEST(ExhaustedHeap, LoadedGeometriesAreReleased) {
   isExhausted = false;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 SurfaceSettings leaf(float rate, bool fallbackFaces) {
   SurfaceSettings settings;
@@ -247,4 +247,4 @@ TEST(FallbackFaces, OtherValuesAreErrors) {
   rtcReleaseGeometry(geometry);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 #include <set>
 #include <sstream>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using namespace cvert;
 
@@ -320,4 +320,4 @@ TEST(FileFormat, VersionOfBlocksIsTheOldestThatSuffices) {
   EXPECT_EQ(versions, (std::set<uint32_t>{5, 6, 7}));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 #include "support/same_hits.h"
 #include "support/saved.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 #if defined(CBVH_FLOAT_TRAPS)
 
@@ -181,4 +181,4 @@ TEST(FloatExceptions, None) { GTEST_SKIP() << "requires x86-64 and Linux"; }
 
 #endif
 
-}} // namespace cbvh::test
+}} // namespace programs::test

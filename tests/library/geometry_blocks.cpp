@@ -10,7 +10,7 @@
 #include <atomic>
 #include <sys/mman.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 struct CountedDisplacement : Displacement {
   std::atomic<size_t> vertices{0};
@@ -516,4 +516,4 @@ TEST(ReleasedInput, UnknownFlagsAreRejected) {
   rtcReleaseGeometry(geometry);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -16,7 +16,7 @@
 #include <memory>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 unsigned numberIn(const char* variable, unsigned otherwise) {
   const char* text = std::getenv(variable);
@@ -294,4 +294,4 @@ TEST(GeometryEdits, ScenesMatchFreshTwins) {
   EXPECT_EQ(memory.live, 0);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -19,7 +19,7 @@
 #include <set>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Odd sizes, strides larger than the width, and a first vertex other than 0.
 Diced oddGrids(double lattice) {
@@ -780,4 +780,4 @@ TEST(GridSurfaces, PointQueriesMatchEmbree) {
   EXPECT_LT(calls, 300u * 36 / 2) << "most grids are too far away";
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -10,7 +10,7 @@
 #include <atomic>
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Over the unit square of quadCage; 0 at u = 0 and v = 0.
 float heightAt(float u, float v) { return 0.1f * std::sin(9 * u) * std::sin(7 * v); }
@@ -106,4 +106,4 @@ TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

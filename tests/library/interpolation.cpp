@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 enum class On { Vertices, Attribute, OtherTopology };
 
@@ -312,4 +312,4 @@ TEST(Interpolation, HolesMatchTheFaceAlone) {
     }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

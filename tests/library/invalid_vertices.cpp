@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class InvalidVertices : public testing::TestWithParam<RTCCompression> {};
 
@@ -398,4 +398,4 @@ TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -11,7 +11,7 @@
 #include <map>
 #include <utility>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const double lattice = 0x1p-10;
 const double slack = 1e-3; // of parameters: triangles are small
@@ -236,4 +236,4 @@ TEST(IrregularMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks) {
   EXPECT_LE(double(stats.numBlocks), 1.1 * double(statisticsOf(irregular).numBlocks));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

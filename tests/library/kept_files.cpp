@@ -22,7 +22,7 @@
 #include <memory>
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // --- what the files contain -------------------------------------------------------------------
 
@@ -314,4 +314,4 @@ TEST(KeptFiles, DISABLED_WriteMissing) {
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct KeptVertex {
   unsigned block, step, index; // block: in the order of the file
@@ -82,4 +82,4 @@ inline void writeKeptHits(const std::string& path, const std::string& descriptio
   if (std::fclose(file) != 0) throw std::runtime_error("cannot write " + path);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -21,7 +21,7 @@
 #include <set>
 #include <string>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const std::string lossless = "cbvh_max_error=0";
 
@@ -416,4 +416,4 @@ TEST_P(Lossless, FilesHaveTheSameHits) {
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -17,7 +17,7 @@
 #include <mutex>
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const double lattice = 0x1p-10;
 const double slack = 1e-3; // of parameters: quads are small, and Embree's floats are less accurate than on a grid
@@ -730,4 +730,4 @@ TEST(Meshes, PointQueriesMatchEmbree) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

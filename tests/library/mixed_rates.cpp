@@ -16,7 +16,7 @@
 #include <tuple>
 #include <utility>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Records the vertices on the borders of all patches, by their parameter along the side.
 struct BorderRecorder : public VertexRecorder {
@@ -376,4 +376,4 @@ TEST_P(MixedRates, CompressedFacesAreClosedNextToHighRates) {
   EXPECT_LE(countMisses(scene, rays), isVert ? 0 : countMisses(grid, rays)) << "of " << rays.size();
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

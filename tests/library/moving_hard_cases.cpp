@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr uint32_t seed = 3131;
 
@@ -384,4 +384,4 @@ TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

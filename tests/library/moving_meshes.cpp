@@ -15,7 +15,7 @@
 
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr double lattice = 0x1p-10;
 
@@ -518,4 +518,4 @@ TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected) {
     }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -5,7 +5,7 @@
  * every query and on every ISA. */
 
 #include "kernels/cbvh/base/reference.h"
-#include "kernels/cbvh/flat/flat_scene.h"
+#include "kernels/cbvh/backend/flat_scene.h"
 #include "support/filtered_geometry.h"
 #include "support/moving_surface.h"
 #include "support/query_forms.h"
@@ -16,7 +16,7 @@
 
 #include <memory>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr uint32_t seed = 3101;
 
@@ -384,4 +384,4 @@ TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

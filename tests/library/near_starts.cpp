@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Rotated, so that no face is aligned to an axis.
 Cage turned(Cage cage) {
@@ -102,4 +102,4 @@ TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt) {
     }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -9,7 +9,7 @@
 
 #include <atomic>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Refuses call `refusedCall` after it is armed, if the call is an allocation.
 struct Monitor {
@@ -93,4 +93,4 @@ TEST(OutOfMemory, NothingIsLostAndNextCommitSucceeds) {
       }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

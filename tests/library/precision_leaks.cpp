@@ -17,7 +17,7 @@
 
 #include <cstdlib>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr size_t raysByDefault = 400000;
 constexpr unsigned steps = 3; // time steps of moving surfaces
@@ -241,4 +241,4 @@ TEST(PrecisionLeaks, NoneWithACoarseBound) { expectNoLeaks(0.125); }
 TEST(PrecisionLeaks, NoneWithAFineBound) { expectNoLeaks(0.001); }
 TEST(PrecisionLeaks, NoneLossless) { expectNoLeaks(0); }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

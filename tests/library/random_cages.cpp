@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 float oddNumber(Random& random) {
   const float odd[] = {NAN, INFINITY, -INFINITY, 1e18f, -1e18f, 1e30f, 3e38f, 1e-40f, -0.0f, 1e-30f, -1, 0, 0.3f, 1e9f};
@@ -124,4 +124,4 @@ TEST(RandomCages, InvalidIndicesAreReported) {
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

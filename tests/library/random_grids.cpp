@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 struct RandomGrids {
   size_t numVertices, vertexStride, numGrids, gridStride;
@@ -159,4 +159,4 @@ TEST(RandomGrids, AreTracedOrReported) {
   EXPECT_GT(hits, rounds);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -16,7 +16,7 @@
 #include <memory>
 #include <set>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Sheets that may be welded, cut, rotated, twisted and shuffled.
 DicedMesh randomMesh(Random& random) {
@@ -170,4 +170,4 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce) {
   EXPECT_GT(irregular, 0u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <iterator>
 #include <memory>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // The same sheet as a cage, grids, quads and triangles.
 std::vector<RTCGeometry> sheetsOfAllTypes(RTCDevice device) {
@@ -228,4 +228,4 @@ TEST(ReleaseInput, StatisticsCountTheMemoryOfTopology) {
   EXPECT_LE(reported, bytes);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -15,7 +15,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class ReplacedFiles : public testing::Test {
 protected:
@@ -257,4 +257,4 @@ TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles) {
   EXPECT_EQ(names(), std::vector<std::string>{"a.cbvh"});
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

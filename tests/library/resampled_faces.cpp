@@ -4,7 +4,7 @@
 /* Faces of any edge rates, resampled to whole blocks: as close to the true surface as GRID with the same rates, with a
  * fraction of the memory. */
 
-#include "kernels/cbvh/framed/frame_map.h"
+#include "kernels/cbvh/paper/frame_map.h"
 #include "support/edge_rates.h"
 #include "support/leaf_of_hit.h"
 #include "support/memory.h"
@@ -16,7 +16,7 @@
 #include <cstdio>
 #include <numeric>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 std::vector<RTCRayHit> raysFromAround(Random& random, unsigned count) {
   std::vector<RTCRayHit> rays;
@@ -286,4 +286,4 @@ TEST_P(AnyRates, ChangedRatesAreRebuilt) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

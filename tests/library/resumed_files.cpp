@@ -15,7 +15,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class ResumedFiles : public testing::Test {
 protected:
@@ -286,4 +286,4 @@ TEST_F(ResumedFiles, NullIsRejected) {
   EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(nullptr), 0u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -4,7 +4,7 @@
 /* rtcGetSceneBounds contains everything that rays can hit: leaves extend beyond the vertices, and renderers clip rays
  * to the bounds. */
 
-#include "kernels/cbvh/framed/frame_fit.h"
+#include "kernels/cbvh/paper/frame_fit.h"
 #include "support/random.h"
 #include "support/random_sheets.h"
 #include "support/scene.h"
@@ -13,7 +13,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 float outside(const RTCBounds& b, const Vec& p) {
   return std::max(
@@ -91,4 +91,4 @@ TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

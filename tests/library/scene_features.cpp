@@ -13,7 +13,7 @@
 #include <map>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const RTCCompression allKinds[] = {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
                                    RTC_COMPRESSION_CVERT};
@@ -751,4 +751,4 @@ TEST_P(SceneFeatures, StreamsMatchSingleRays) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Rays with an offset of a hundredth of a quad must see the sky if GRID's do, except for one in a thousand that leave
 // their block within half a bin of a leaf.
@@ -48,4 +48,4 @@ TEST(SecondaryRays, RaysFromSurfaceDoNotHitItAgain) {
   std::printf("%d of %d rays differ from GRID's\n", wrong, rays);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -20,7 +20,7 @@
 
 #include <optional>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr int level = 5;
 constexpr ImageSize size = {512, 512};
@@ -124,4 +124,4 @@ TEST_F(SelfShadow, AtMostAFifthOfNearSideRuleAtEmbreesOffset) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class CrossedSheets : public testing::TestWithParam<RTCCompression> {};
 
@@ -22,7 +22,7 @@ TEST_P(CrossedSheets, NoRayPassesThroughRandomSheets) {
     SCOPED_TRACE(packets ? "packets" : "single rays");
     SheetSettings settings;
     settings.packets = packets;
-    const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, threadCount(0));
+    const programs::SheetCrossings found = crossSheets(device, GetParam(), settings, threadCount(0));
     EXPECT_EQ(found.rays, 1000000u);
     EXPECT_EQ(found.closest, 0u);
     EXPECT_EQ(found.any, 0u);
@@ -66,4 +66,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets,
                                          RTC_COMPRESSION_CVERT),
                          [](const auto& info) { return kindName(info.param); });
 
-}} // namespace cbvh::test
+}} // namespace programs::test

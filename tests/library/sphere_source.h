@@ -8,7 +8,7 @@
  * there is nothing to prepare. */
 
 #include "kernels/cbvh/surface/source.h"
-#include "kernels/cbvh/vert/writer.h"
+#include "kernels/cbvh/exact/writer.h"
 #include <cmath>
 
 namespace embree::isa {

@@ -16,7 +16,7 @@
 #include <set>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using Triangle = std::array<Vec, 3>;
 
@@ -320,4 +320,4 @@ TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

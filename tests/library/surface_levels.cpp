@@ -5,7 +5,7 @@
 
 #include "support/grid_agreement.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 void compare(Device& device, const Cage& cage, unsigned level, int frameLevel) {
   Random random(42);
@@ -86,4 +86,4 @@ TEST(SurfaceLevels, SingleQuadBlocksHaveParametersOfTheirFace) {
     }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

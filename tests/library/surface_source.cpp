@@ -6,7 +6,7 @@
 
 #include "sphere_source.h"
 #include "kernels/cbvh/building/surface_builder.h"
-#include "kernels/cbvh/stored/stored_clusters.h"
+#include "kernels/cbvh/blocks/stored_clusters.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 #include <atomic>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include "support/irregular_mesh.h"
 #include "support/task_groups.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 enum class Source { Triangles, Cage, Grids, Mesh };
 
@@ -104,4 +104,4 @@ TEST(TaskGroups, CommitsInACanceledGroupComplete) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

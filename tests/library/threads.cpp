@@ -9,7 +9,7 @@
 
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr unsigned threadCount = 4;
 constexpr unsigned surfaceCount = 5; // one per representation
@@ -112,4 +112,4 @@ TEST(Threads, CommittingScenesOfOneDeviceConcurrently) {
   for (const Answers& a : answers) EXPECT_TRUE(a.bytes == answers[0].bytes);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -6,7 +6,7 @@
 #include "support/grid_agreement.h"
 #include "support/message_parts.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // edgeRates: levels of all edges, if not empty.
 void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed,
@@ -76,4 +76,4 @@ TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes) {
   expectEqualToGrid(twins.grid, twins.scene, raysAt(random, 3000), cubeCage());
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

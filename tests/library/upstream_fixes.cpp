@@ -18,7 +18,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Floats that end at an unreadable page.
 class BeforeUnreadable {
@@ -521,4 +521,4 @@ TEST(UpstreamFixes, ErrorsBelongToTheirDeviceAndThread) {
   for (RTCDevice device : devices) rtcReleaseDevice(device);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 #include <optional>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr double ulp = 0x1p-23;
 
@@ -575,4 +575,4 @@ TEST(VertCache, IsInvalidatedWhenMemoryIsReleasedDuringABuild) {
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // --- surfaces ------------------------------------------------------------------------------------
 
@@ -445,4 +445,4 @@ TEST(VertexBoundsNextToAnOutlier, AMillionVertices) {
   expectBounds(sheet, Kind::Grids, 1e-4f, 1e-4f, Expected::Lattice, 1000, nearTo(700, 500));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -19,7 +19,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr size_t raysOfCase = 60000; // more than 10^6 per representation, twice
 constexpr uint32_t seed = 51;
@@ -178,4 +178,4 @@ INSTANTIATE_TEST_SUITE_P(Compression, Watertight,
                                          RTC_COMPRESSION_CVERT),
                          nameOf);
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr size_t quads = 1000;
 
@@ -73,4 +73,4 @@ TEST(Batches, StockEmbreeHasNoCompressedRepresentations) {
   EXPECT_EQ(plan.unsupported[0].library, 0u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

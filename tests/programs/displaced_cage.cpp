@@ -20,7 +20,7 @@
 #include <memory>
 #include <tuple>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* Merges vertices of neighboring patches, which each have their own copies. */
 struct Welded {
@@ -96,12 +96,12 @@ void write(const std::string& scene, int level, const std::string& path) {
   printFullView(model, build);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test
 
 int main(int argc, char** argv) {
   try {
-    if (argc != 4) throw cbvh::Error("usage: displaced_cage SCENE LEVEL FILE.xml");
-    cbvh::test::write(argv[1], std::atoi(argv[2]), argv[3]);
+    if (argc != 4) throw programs::Error("usage: displaced_cage SCENE LEVEL FILE.xml");
+    programs::test::write(argv[1], std::atoi(argv[2]), argv[3]);
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "displaced_cage: %s\n", e.what());

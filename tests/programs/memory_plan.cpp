@@ -13,7 +13,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 constexpr size_t quads = 1000000;
 
@@ -135,4 +135,4 @@ TEST_F(AvailableMemory, IsLimitedByGroupsOfVersion1) {
   EXPECT_EQ(kibibytes(), 4000u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -21,7 +21,7 @@
 #include <cstdio>
 #include <optional>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 constexpr unsigned samples = 3, bounces = 3;
 constexpr ImageSize size = {64, 64};
@@ -200,4 +200,4 @@ TEST(PathTracerMotion, IsBlurredWhileTheShutterIsOpen) {
 
 INSTANTIATE_TEST_SUITE_P(Representations, PathTracerPictures, testing::Values("grid", "cleaf-only", "cvert"));
 
-}} // namespace cbvh
+}} // namespace programs

@@ -15,7 +15,7 @@
 #include <functional>
 #include <random>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 struct NamedScene : TracedScene {
   RTCScene handle() const override { return nullptr; }
@@ -129,4 +129,4 @@ TEST(SpeedTable, RoundsThatNeverAgreeHaveNoRatio) {
     for (const std::string& cell : table.cells(row, true)) EXPECT_TRUE(saysNoise(cell) || cell == "1.00") << cell;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

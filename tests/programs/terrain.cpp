@@ -26,7 +26,7 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 struct Picture {
   int width = 0, height = 0;
@@ -395,4 +395,4 @@ TEST_F(Terrain, InvalidArgumentsAreRejected) {
   expectRefusal(folder + "/pipe.tif", {folder + "/pipe.tif: ", "pipe"});
 }
 
-}} // namespace cbvh
+}} // namespace programs

@@ -20,7 +20,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 /* --- the viewpoint ----------------------------------------------------------------------- */
 
@@ -418,4 +418,4 @@ TEST(Worker, StopsOnDestruction) {
   EXPECT_FALSE(cancelRequested());
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 /* Limits this process to `bytes` more than its present address space. Each thread needs 2 MiB or more for its stack. */
 inline void limitAddressSpace(size_t bytes) {
@@ -22,4 +22,4 @@ inline void limitAddressSpace(size_t bytes) {
   setrlimit(RLIMIT_AS, &limit);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -6,7 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Runs the closure in a child process, which a signal may end. Returns its status as waitpid does.
 template<typename Closure>
@@ -18,4 +18,4 @@ int statusOfChild(const Closure& closure) {
   return status;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -7,7 +7,7 @@
 
 #include "support/query_forms.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 // A ray through a point between a and b, often exactly a.
 inline RTCRayHit rayFromMiddle(Random& random, const Vec& a, const Vec& b) {
@@ -28,4 +28,4 @@ inline void expectNoneMisses(RTCScene scene, const std::vector<RTCRayHit>& rays)
   }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct DecodedCluster {
   std::vector<std::array<float, 3>> vertices;
@@ -178,4 +178,4 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes) {
   return cluster;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <exception>
 
-namespace cbvh::test {
+namespace programs::test {
 
 typedef std::array<float, 3> Corner;
 
@@ -179,4 +179,4 @@ private:
   std::string failure;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

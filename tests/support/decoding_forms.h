@@ -7,13 +7,13 @@
  * choices: fused or separate multiply and add, and a mirrored or original axis. A mirrored ray decodes 1-upper from the
  * mirrored parent, which rounds differently. */
 
-#include "kernels/cbvh/framed/node_encoder.h"
-#include "kernels/cbvh/framed/leaf/format.h"
+#include "kernels/cbvh/paper/node_encoder.h"
+#include "kernels/cbvh/paper/leaf/format.h"
 
 #include <cmath>
 #include <utility>
 
-namespace cbvh::test {
+namespace programs::test {
 
 using namespace embree::cbvh;
 
@@ -76,4 +76,4 @@ inline bool contains(Form form, const NodeBox& box, const ExactBox& exact) {
   return true;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

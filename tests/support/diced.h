@@ -12,7 +12,7 @@
 #include <cstring>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Position of a vertex at a time step.
 typedef std::function<Vec(const Vec& position, unsigned step)> DicedMotion;
@@ -163,4 +163,4 @@ inline RTCRayHit rayAt(Random& random, const Diced& diced) {
   return makeRay(origin, direction);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -11,7 +11,7 @@
 #include <map>
 #include <numeric>
 
-namespace cbvh::test {
+namespace programs::test {
 
 enum class QuadOrder { Rows, Recursive, Shuffled };
 const QuadOrder allQuadOrders[] = {QuadOrder::Rows, QuadOrder::Recursive, QuadOrder::Shuffled};
@@ -224,4 +224,4 @@ inline RTCRayHit rayAt(Random& random, const DicedMesh& mesh) {
   return makeRay(origin, direction);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -7,7 +7,7 @@
 
 #include "support/scene.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 using DisplaceFunction = std::function<void(unsigned primID, float u, float v, Vec& p)>;
 
@@ -42,4 +42,4 @@ inline void commit(RTCScene scene, RTCGeometry geometry) {
   rtcCommitScene(scene);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <functional>
 #include <map>
 
-namespace cbvh::test {
+namespace programs::test {
 
 typedef std::function<float(Random&)> DrawRate;
 
@@ -63,4 +63,4 @@ const struct {
 
 inline std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
 
-} // namespace cbvh::test
+} // namespace programs::test

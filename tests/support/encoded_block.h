@@ -5,12 +5,12 @@
 
 /* A single block without a scene: the encoder's result for given vertices. */
 
-#include "kernels/cbvh/framed/block_encoder.h"
+#include "kernels/cbvh/paper/block_encoder.h"
 
 #include <algorithm>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class EncodedBlock {
 public:
@@ -49,4 +49,4 @@ private:
   bool hasFrame;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class Environment {
 public:
@@ -13,4 +13,4 @@ public:
   ~Environment() { unsetenv("EMBREE_CBVH"); }
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

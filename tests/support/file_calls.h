@@ -13,7 +13,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // write() stores this many bytes in all, and kills the process when more follow; never if negative
 inline std::atomic<long> bytesUntilKill{-1};
@@ -21,10 +21,10 @@ inline std::atomic<int> fsyncError{0};       // of each call; 0: the call is mad
 inline std::atomic<unsigned> renameDelay{0}; // microseconds
 inline std::atomic<unsigned> renameCalls{0};
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" ssize_t write(int file, const void* data, size_t bytes) {
-  using cbvh::test::bytesUntilKill;
+  using programs::test::bytesUntilKill;
   if (bytesUntilKill >= 0 && long(bytes) > bytesUntilKill) {
     (void)!syscall(SYS_write, file, data, size_t(bytesUntilKill));
     raise(SIGKILL);
@@ -34,12 +34,12 @@ extern "C" ssize_t write(int file, const void* data, size_t bytes) {
 }
 
 extern "C" int fsync(int file) {
-  errno = cbvh::test::fsyncError;
+  errno = programs::test::fsyncError;
   return errno != 0 ? -1 : int(syscall(SYS_fsync, file));
 }
 
 extern "C" int rename(const char* from, const char* to) noexcept {
-  cbvh::test::renameCalls++;
-  usleep(cbvh::test::renameDelay);
+  programs::test::renameCalls++;
+  usleep(programs::test::renameDelay);
   return int(syscall(SYS_renameat, -100 /* AT_FDCWD */, from, -100, to));
 }

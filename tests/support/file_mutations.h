@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // CRC-32C bit by bit, as specified in docs/formats/file.md.
 inline uint32_t crc32c(const char* data, size_t bytes) {
@@ -217,4 +217,4 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
   return trial;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

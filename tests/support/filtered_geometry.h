@@ -5,7 +5,7 @@
 
 #include "support/same_hits.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Commits a scene of the cube with a filter for closest and any hit.
 inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings,
@@ -67,4 +67,4 @@ void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -18,7 +18,7 @@
 #include <ucontext.h>
 #include <xmmintrin.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // While an object exists, signals of trapped exceptions are counted, and the instruction is repeated with the exception
 // masked: its result is the same as without traps. The set of exceptions that trap is part of the floating-point state
@@ -101,6 +101,6 @@ private:
   struct sigaction before[2];
 };
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 #endif

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/grid_agreement.h"
-#include "kernels/cbvh/framed/frame_map.h"
-#include "kernels/cbvh/framed/local_ray.h"
+#include "kernels/cbvh/paper/frame_map.h"
+#include "kernels/cbvh/paper/local_ray.h"
 #include "support/leaf_of_hit.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using namespace embree::cbvh;
@@ -267,4 +267,4 @@ void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& 
   EXPECT_LE(leaks, gridLeaks) << "of " << raysFromInside.size();
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -16,7 +16,7 @@
 #include "support/random.h"
 #include "support/scene.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage);
 
@@ -33,4 +33,4 @@ void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayH
 void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside,
                    RTCCompression compression);
 
-} // namespace cbvh::test
+} // namespace programs::test

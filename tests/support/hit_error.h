@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Largest relative error of a float operation.
 constexpr double unitRoundoff = 0x1p-24;
@@ -176,4 +176,4 @@ private:
   double sheared[3][2], sum;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

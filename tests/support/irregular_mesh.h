@@ -7,7 +7,7 @@
 
 #include "support/diced_mesh.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Quads split along random diagonals; triangles begin at random corners.
 inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool shuffled = true) {
@@ -89,4 +89,4 @@ inline std::vector<NamedMesh> irregularMeshes(Random& random, double lattice) {
           {"a heap of triangles", heap}};
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

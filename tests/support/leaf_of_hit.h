@@ -5,13 +5,13 @@
 
 /* The leaves that may contain a hit, by its parameters, decoded as docs/formats/framed_block.md specifies. */
 
-#include "kernels/cbvh/framed/tree.h"
+#include "kernels/cbvh/paper/tree.h"
 #include <embree3/rtcore.h>
 
 #include <cmath>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct LeafOfBlock {
   const embree::cbvh::Block* block;
@@ -54,4 +54,4 @@ inline embree::cbvh::LeafPatch decodeLeafOfBlock(const LeafOfBlock& at) {
   return patch;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

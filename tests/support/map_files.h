@@ -16,7 +16,7 @@
 #include <string>
 #include <unistd.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class MapFiles : public testing::Test {
 protected:
@@ -54,4 +54,4 @@ inline float valueAt(const std::string& path, const std::string& channel = "", i
   return values[0];
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <sys/types.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct Memory {
   std::atomic<ssize_t> live{0}, peak{0};
@@ -23,4 +23,4 @@ struct Memory {
   }
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

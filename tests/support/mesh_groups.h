@@ -3,9 +3,9 @@
 
 #pragma once
 
-#include "kernels/cvert/encoder/mesh_clusters.h"
+#include "kernels/cvert/encoder/mesh_partition.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Consecutive groups of `size` triangles; the last one may be smaller. At most maxMeshGroups.
 inline cvert::MeshGroups fullGroups(uint32_t count, uint32_t size) {
@@ -14,4 +14,4 @@ inline cvert::MeshGroups fullGroups(uint32_t count, uint32_t size) {
   return groups;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 /* True if the message contains all parts in this order. Tests compare place and values; the wording may change. */
 inline testing::AssertionResult containsInOrder(const std::string& message, const std::vector<std::string>& parts) {
@@ -30,4 +30,4 @@ inline std::string lineWith(const std::string& text, const std::string& part) {
   return text.substr(begin, text.find('\n', at) - begin);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

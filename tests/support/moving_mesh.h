@@ -15,7 +15,7 @@
 #include <functional>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 typedef std::array<float, 3> Point;
 typedef std::vector<uint32_t> Words; // aligned to 4 bytes, exactly as large as the block
@@ -137,4 +137,4 @@ inline MovingMesh sheetOfSeries(Random& random, int i) {
 
 inline uint32_t anyGroupTriangles(Random& random) { return std::vector<uint32_t>{1, 3, 16, 32}[random.below(4)]; }
 
-} // namespace cbvh::test
+} // namespace programs::test

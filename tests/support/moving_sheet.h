@@ -13,7 +13,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 enum class SheetMotion { turn, grow, bend, shake };
 
@@ -134,4 +134,4 @@ struct EncodedMotion {
   size_t firstStepBytes() const { return size - statistics.stepBytes; }
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -9,7 +9,7 @@
 
 #include <embree3/rtcore_compressed_triangles.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 inline Vec twisted(const Vec& p, double angle) {
   const double a = angle * (1 + p[2]), c = std::cos(a), s = std::sin(a);
@@ -71,4 +71,4 @@ inline std::vector<RTCRayHit> timedRays(Random& random, unsigned count) {
   return rays;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

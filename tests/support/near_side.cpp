@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/near_side.h"
-#include "kernels/cbvh/framed/frame_fit.h"
-#include "kernels/cbvh/framed/leaf/crossing.h"
-#include "kernels/cbvh/framed/tree.h"
+#include "kernels/cbvh/paper/frame_fit.h"
+#include "kernels/cbvh/paper/leaf/crossing.h"
+#include "kernels/cbvh/paper/tree.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <limits>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using namespace embree::cbvh;
@@ -212,4 +212,4 @@ NearSideScene::~NearSideScene() {
   rtcReleaseDevice(device);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

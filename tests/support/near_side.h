@@ -6,13 +6,13 @@
 /* The paper's intersection rule for cLEAF, as a reference: a ray that intersects the interval between a leaf's two
  * patches hits the leaf at its near side. Scalar code on the blocks of a scene, as user geometry. */
 
-#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/paper/block.h"
 #include <embree3/rtcore.h>
 
 #include <memory>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class NearSideScene {
 public:
@@ -31,4 +31,4 @@ private:
   RTCScene scene;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct ObjDialect {
   const char* name;
@@ -132,4 +132,4 @@ inline std::vector<ObjDialect> objDialects() {
   };
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Sets components of a ray's origin or direction to NaN or infinity, or tnear or tfar to NaN.
 inline void spoil(RTCRay& ray, Random& random) {
@@ -76,4 +76,4 @@ inline std::vector<RTCRayHit> withDirections(std::vector<RTCRayHit> rays, float 
   return rays;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Knuth's MMIX generator; returns its upper bits.
 class Integers {
@@ -31,4 +31,4 @@ inline uint64_t checksum(const void* data, size_t bytes) {
   return value;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 enum class QueryForm { Single, Packet4, Packet8, Packet16, Coherent8, Stream, CoherentStream, Pointers };
 const QueryForm allQueryForms[] = {QueryForm::Single,         QueryForm::Packet4,   QueryForm::Packet8,
@@ -120,4 +120,4 @@ inline std::vector<RTCRayHit> anyHits(RTCScene scene, const std::vector<RTCRayHi
   return QueryRun(scene, form, true)(rays);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

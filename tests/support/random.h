@@ -12,7 +12,7 @@
 #include <random>
 #include <string>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class Random {
 public:
@@ -36,4 +36,4 @@ private:
   testing::ScopedTrace trace;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -6,7 +6,7 @@
 #include "support/random.h"
 #include "surface/true_surface.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 /* (n+1)^2 control points over [0,n]^2. */
 inline Cage sheet(unsigned n) {
@@ -82,4 +82,4 @@ inline PatchPoint randomPoint(const Cage& cage, const TrueSurface& surface, Rand
   return {face, size == 4 ? 0 : random.below(size), random.uniform(), random.uniform()};
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

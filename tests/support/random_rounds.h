@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // CBVH_RANDOM_GEOMETRIES replaces the default.
 inline size_t randomRounds(size_t byDefault) {
@@ -21,4 +21,4 @@ inline uint32_t randomSeed(uint32_t byDefault) {
   return byDefault + (other ? uint32_t(std::strtoul(other, nullptr, 10)) * 0x9E3779B9u : 0);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

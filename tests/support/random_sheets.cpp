@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
+namespace programs::test {
 
 const char* nameOf(Shape shape) {
   static const char* const names[] = {"waves",    "noise", "spikes", "jumps",     "folded",          "saddle",
@@ -158,4 +158,4 @@ RTCRayHit randomRay(Random& random, RayKind kind, const Sheet& sheet, double dir
   return ray;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

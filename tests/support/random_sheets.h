@@ -9,7 +9,7 @@
 #include "support/random.h"
 #include "support/scene.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 enum class Shape {
   Waves,
@@ -68,4 +68,4 @@ const char* nameOf(RayKind);
 // directionLength: length of the ray's direction, the unit of t.
 RTCRayHit randomRay(Random& random, RayKind kind, const Sheet& sheet, double directionLength = 1);
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/reference_check.h"
-#include "kernels/cbvh/framed/frame_map.h"
+#include "kernels/cbvh/paper/frame_map.h"
 #include "support/scalar_intersector.h"
 #include "support/scene_blocks.h"
 
@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <map>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 using embree::cbvh::Block;
@@ -403,4 +403,4 @@ void ReferenceCheck::conclude(double share) {
   EXPECT_LE(strayed, rays / 20);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -6,7 +6,7 @@
 /* Compares closest hits and any hit with the scalar intersector in double precision on the same blocks.
  *
  * The results must be equal except for rounding. SIMD knows both ends of a ray in a block up to "epsilon" of
- * framed/local_ray.h, and widens bounds by as much. A different result must therefore be the scalar intersector's for a
+ * paper/local_ray.h, and widens bounds by as much. A different result must therefore be the scalar intersector's for a
  * ray whose ends move by at most 2 epsilons (one for the ray, one for heights of leaves), with bounds widened by 0 to 2
  * epsilons (one by SIMD, one for the moved ray):
  * a miss, or a hit with t, u, v and normal of its leaf. Such rays are counted by the decision that rounding affects:
@@ -18,11 +18,11 @@
  *
  * In addition, t itself rounds: t0 + tau (t1-t0) has a few terms as large as the distance to the block. */
 
-#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/paper/block.h"
 #include "support/random_sheets.h"
 #include "support/vert_triangles.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 class ReferenceCheck {
 public:
@@ -66,4 +66,4 @@ private:
   unsigned hitsOfGrid = 0, strayed = 0;                    // cGRID: as GRID's triangle test rounds
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 template<typename Diced>
 std::vector<RTCRayHit> raysAt(Random& random, const Diced& diced, unsigned count) {
@@ -82,4 +82,4 @@ inline std::string nameOfIsa(const testing::TestParamInfo<const char*>& info) {
   return name;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -21,7 +21,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // A new, empty folder. The destructor removes it with its files.
 class Folder {
@@ -162,4 +162,4 @@ inline std::vector<Saveable> allSaveable() {
   return all;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

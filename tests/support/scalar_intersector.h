@@ -4,14 +4,14 @@
 #pragma once
 
 /* A readable reference for the SIMD intersectors of a block: any precision, one child at a time, no mirrored axes, no
- * nodes skipped because of a closer hit. Its decisions are functions of kernels/cbvh/framed.
+ * nodes skipped because of a closer hit. Its decisions are functions of kernels/cbvh/paper.
  *
  * The SIMD path widens bounds by the float error of its ray. "widening" is the multiple of that error by which this
  * intersector widens: 0 gives the exact result, and SIMD's result lies between the results for 0 and for 2. */
 
-#include "kernels/cbvh/framed/leaf/crossing.h"
-#include "kernels/cbvh/framed/normal.h"
-#include "kernels/cbvh/framed/tree.h"
+#include "kernels/cbvh/paper/leaf/crossing.h"
+#include "kernels/cbvh/paper/normal.h"
+#include "kernels/cbvh/paper/tree.h"
 #include <limits>
 #include <utility>
 #include <vector>

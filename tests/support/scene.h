@@ -18,7 +18,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 using Vec = std::array<float, 3>;
 
@@ -362,4 +362,4 @@ inline bool occluded(RTCScene scene, const RTCRayHit& ray) {
   return r.tfar < 0;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

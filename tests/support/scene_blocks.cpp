@@ -6,7 +6,7 @@
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/common/scene.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 using namespace embree;
 
@@ -49,4 +49,4 @@ std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene) {
 
 unsigned geometryOf(RTCScene scene, uint32_t surface) { return ((const Scene*)scene)->surfaceIDs[surface]; }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -11,7 +11,7 @@
 #include <new>
 #include <sys/mman.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 /* Runs the closure in a task of a group whose memory cannot be read afterwards. */
 template<typename Closure>
@@ -33,4 +33,4 @@ inline void cancelOtherGroup() {
   group.wait();
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 /* The values of a page's tags, from the TIFF 6.0 specification and GDAL's, and the form of the file. */
 struct TiffLayout {
@@ -185,4 +185,4 @@ std::string bytesOf(const std::vector<T>& samples) {
   return std::string(reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof(T));
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -11,7 +11,7 @@
 #include <string>
 #include <unistd.h>
 
-namespace cbvh::test {
+namespace programs::test {
 
 /* Sets the locale until it is destroyed. Compiles it with localedef, because few machines have it installed. */
 class TurkishLocale {
@@ -44,4 +44,4 @@ private:
   bool isSet = false;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

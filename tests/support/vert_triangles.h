@@ -14,7 +14,7 @@
 #include <map>
 #include <memory>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct VertTriangle {
   std::array<std::array<float, 3>, 3> vertices; // in the order of GRID
@@ -107,4 +107,4 @@ inline size_t countOpenEdges(const std::vector<VertTriangle>& triangles) {
   return open;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -9,7 +9,7 @@
 
 #include <mutex>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class VertexRecorder : public Displacement {
 public:
@@ -41,4 +41,4 @@ private:
   std::mutex mutex;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -28,7 +28,7 @@ comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
   cat "$work/removed"
   exit 1
 }
-# functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
+# functions of our headers, see below, and of kernels/cbvh/backend/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFindCompressedTriangle \
   rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart rtcGetCompressedFileGeometryCount \
   rtcGetCompressedFileGeometryInfo rtcGetCompressedFileGeometryStatistics rtcGetCompressedFileWriterGeometryCount \

@@ -46,33 +46,33 @@ end() {
 }
 
 begin cvert
-check basics
-check format basics
-check rule format basics
-check decoder format basics
-check encoder format basics
-check file decoder format basics
-check clusters basics
+check portable
+check format portable
+check rule format portable
+check decoder format portable
+check encoder format portable
+check file decoder format portable
+check clusters portable
 end
 
 begin cbvh
 check embree
-check state embree
+check settings embree
 check base embree
 check surface base embree
-check vert surface base embree
-check framed surface base embree
-check stored framed base embree
-check files stored framed base embree
-check flat stored framed base embree
-check building stored vert framed surface base embree
-check traversal stored vert framed base embree
-check core files stored framed surface base state embree
-check api core building traversal files flat stored vert framed surface base state embree
+check exact surface base embree
+check paper surface base embree
+check blocks paper base embree
+check files blocks paper base embree
+check backend blocks paper base embree
+check building blocks exact paper surface base embree
+check traversal blocks exact paper base embree
+check operations files blocks paper surface base settings embree
+check api operations building traversal files backend blocks exact paper surface base settings embree
 end
 
-# Interfaces outside of libembree3 include the headers of core, which therefore must not include Embree's headers.
-found=$(grep -nE '#include "(\.\./)+(cbvh/)?(embree|common)/' cbvh/core/*.h || true)
+# Interfaces outside of libembree3 include the headers of operations, which therefore must not include Embree's headers.
+found=$(grep -nE '#include "(\.\./)+(cbvh/)?(embree|common)/' cbvh/operations/*.h || true)
 [ -z "$found" ] || {
   echo "$found"
   failed=1

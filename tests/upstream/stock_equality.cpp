@@ -367,7 +367,7 @@ void writeString(FILE* file, const std::string& s) {
 }
 
 int trace(const char* config, const char* path) {
-  const cbvh::FlushDenormals fast;
+  const programs::FlushDenormals fast;
   RTCDevice device = rtcNewDevice(config);
   if (!device) return 2;
   FILE* file = fopen(path, "wb");

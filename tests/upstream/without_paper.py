@@ -24,10 +24,10 @@ SOURCES = (
     "traversal/thread_cache.cpp",
     "building/builder.cpp",
     "files/loaded_surface.cpp",
-    "core/compression.cpp",
+    "operations/compression.cpp",
     "api/settings.cpp",
 )
-LAYOUT = {"block.h", "morton.h"}  # in framed/: headers that identify blocks with frames in files
+LAYOUT = {"block.h", "morton.h"}  # in paper/: headers that identify blocks with frames in files
 MOST_FILES_OF_A_RAY = 45  # static and moving grids of vertices
 MOST_FILES_OF_MESH_BLOCKS = 6  # in addition
 MOVING_MESHES = r"/(moving_mesh|mesh_motion|mesh_motion_decoder|mesh_step_view|mesh_view)\.h$"
@@ -48,7 +48,7 @@ def main():
         ours = {
             match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths) if match
         }
-        framed = sorted(path for path in ours if "/framed/" in path and path.rsplit("/", 1)[1] not in LAYOUT)
+        framed = sorted(path for path in ours if "/paper/" in path and path.rsplit("/", 1)[1] not in LAYOUT)
         if framed:
             failures.append(f"{source} includes {', '.join(framed)}")
         print(f"{source}: {len(ours)} files of ours")

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
+namespace programs::test {
 
 struct Agreement {
   size_t rays = 0, hits = 0;
@@ -65,4 +65,4 @@ protected:
   }
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

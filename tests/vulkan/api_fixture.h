@@ -8,7 +8,7 @@
 #include "small_scenes.h"
 #include "support/message_parts.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 class VulkanAPI : public VulkanTest {
 protected:
@@ -26,4 +26,4 @@ protected:
   }
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <type_traits>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 Faults* faults = nullptr;
@@ -347,9 +347,9 @@ unsigned Faults::calls(const std::string& name) const {
   return found == counts.end() ? 0 : found->second;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 extern "C" __attribute__((visibility("default"))) PFN_vkVoidFunction cbvhTestGetInstanceProcAddr(VkInstance instance,
                                                                                                  const char* name) {
-  return cbvh::test::faults ? cbvh::test::faults->find(instance, name) : nullptr;
+  return programs::test::faults ? programs::test::faults->find(instance, name) : nullptr;
 }

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 class Faults {
 public:
@@ -109,7 +109,7 @@ private:
   size_t cacheBytes = 0;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test
 
 // For the loader of loader.cpp: vkGetInstanceProcAddr of the current Faults.
 extern "C" PFN_vkVoidFunction cbvhTestGetInstanceProcAddr(VkInstance instance, const char* name);

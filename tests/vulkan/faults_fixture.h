@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // A result that a test returns from a function, and the expected error of Embree.
 struct Fault {
@@ -119,4 +119,4 @@ inline void expectAll(const std::vector<std::string>& called, const std::vector<
         << "vk" << function << " was not called, so it is not tested";
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 void check(VkResult result, const char* doing) {
@@ -100,4 +100,4 @@ void RecordedTrace::copy(VkCommandBuffer commands, const RayBuffer& from, const 
   vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &all);
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -9,7 +9,7 @@
 
 #include <functional>
 
-namespace cbvh::test {
+namespace programs::test {
 
 // Host-visible memory with a device address.
 class RayBuffer {
@@ -51,4 +51,4 @@ private:
   VkCommandBuffer commands = VK_NULL_HANDLE;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

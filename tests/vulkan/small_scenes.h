@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "validated_device.h"
 
-namespace cbvh::test {
+namespace programs::test {
 
 // A triangle at a height over a part of [-1,1]^2; committed, not attached.
 inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1) {
@@ -173,4 +173,4 @@ inline void expectAsOnTheCPU(RTCScene scene, const std::vector<RTCRayHit>& rays,
   }
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -16,7 +16,7 @@
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
-namespace cbvh::test {
+namespace programs::test {
 namespace {
 
 constexpr const char* layerName = "VK_LAYER_KHRONOS_validation";
@@ -332,4 +332,4 @@ void SharedVulkanTest::TearDown() {
   for (const std::string& message : vulkan->validation.messages.take()) ADD_FAILURE() << message;
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh::test {
+namespace programs::test {
 
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -169,4 +169,4 @@ protected:
   const VulkanDevice& device = shared->device;
 };
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -13,7 +13,7 @@
 #include <cctype>
 #include <functional>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // --- validation itself ---------------------------------------------------------------------------
 
@@ -440,7 +440,7 @@ TEST_F(VulkanAPI, ObjectsKeepTheirDependenciesAlive) {
       rtcRetainVulkanScene(uploaded.get());
       kept = uploaded.get();
     }
-    EXPECT_TRUE(cbvh::test::trace(kept, traced)) << "device and scene are released: " << embree.message;
+    EXPECT_TRUE(programs::test::trace(kept, traced)) << "device and scene are released: " << embree.message;
     for (size_t i = 0; i < rays.size(); i++) EXPECT_EQ(traced[i].hit.geomID, expected[i].hit.geomID);
     trace = rtcStartVulkanIntersect(kept, rays.data(), rays.size());
     ASSERT_TRUE(trace) << embree.message;
@@ -481,4 +481,4 @@ TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource) {
   EXPECT_EQ(traceAll(after.get(), rays)[0].ray.tfar, 3);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

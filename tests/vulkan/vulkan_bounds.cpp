@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanBounds : public VulkanTest {
 protected:
@@ -81,4 +81,4 @@ TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

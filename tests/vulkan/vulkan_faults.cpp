@@ -6,12 +6,12 @@
 
 #include "faults_fixture.h"
 
-#include "kernels/cbvh/flat/flat_scene.h"
+#include "kernels/cbvh/backend/flat_scene.h"
 #include "support/irregular_mesh.h"
 
 #include <vulkan/vulkan.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // --- every call fails in turn ------------------------------------------------------------------
 
@@ -410,4 +410,4 @@ TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported) {
   EXPECT_TRUE(containsInOrder(error.second, {"VK_ERROR_DEVICE_LOST", "release"}));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -9,7 +9,7 @@
 #include "support/moving_surface.h"
 #include "support/saved.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanFiles : public VulkanTest {
 protected:
@@ -73,4 +73,4 @@ TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits) {
     GTEST_SKIP() << "hits of copied blocks are the same, but the driver does not import " << refused;
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanHits : public VulkanAgreement {
 protected:
@@ -358,4 +358,4 @@ TEST_F(VulkanHits, EqualDistancesReportTheSameSurface) {
   }
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

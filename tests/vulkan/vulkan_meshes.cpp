@@ -4,7 +4,7 @@
 /* Mesh blocks have the same hits on the device and on the CPU. */
 
 #include "agreement.h"
-#include "kernels/cbvh/flat/flat_scene.h"
+#include "kernels/cbvh/backend/flat_scene.h"
 #include "kernels/cvert/format/mesh_block.h"
 #include "support/closed.h"
 #include "support/irregular_mesh.h"
@@ -13,7 +13,7 @@
 #include "support/odd_rays.h"
 #include "support/same_hits.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 struct BlockCounts {
   size_t grids = 0, meshes = 0;
@@ -207,4 +207,4 @@ TEST_F(VulkanMeshes, DevicesWithoutDoublesMatchCpu) {
   EXPECT_LE(others, rays / 500);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -8,7 +8,7 @@
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanMotion : public VulkanAgreement {
 protected:
@@ -201,4 +201,4 @@ TEST_F(VulkanMotion, ClosedMovingSurfacesDoNotLeak) {
   EXPECT_EQ(rays, 120000u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using VulkanOpening = VulkanFaults;
 
@@ -372,4 +372,4 @@ TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact) {
   reopen();
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -11,7 +11,7 @@
 
 #include <stdexcept>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 const uint32_t code[] =
 #include "own_top_level.inc"
@@ -246,4 +246,4 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu) {
   EXPECT_LE(differing, 3u);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -13,7 +13,7 @@
 
 #include <algorithm>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 // Numbers of rays for which ray queries and compute shaders differ in one scene.
 struct Differences {
@@ -329,4 +329,4 @@ TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected) {
   EXPECT_TRUE(containsInOrder(embree.message, {vulkan->name, "VK_KHR_ray_query"}));
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

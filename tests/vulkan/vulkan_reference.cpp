@@ -7,7 +7,7 @@
 #include "support/reference_check.h"
 #include "vulkan_tracer.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanReference : public VulkanTest {
 protected:
@@ -40,4 +40,4 @@ TEST_F(VulkanReference, VoxelsMatchReference) { expectReferences(RTC_COMPRESSION
 TEST_F(VulkanReference, LeavesMatchReference) { expectReferences(RTC_COMPRESSION_CLEAF); }
 TEST_F(VulkanReference, VerticesMatchReference) { expectReferences(RTC_COMPRESSION_CVERT); }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

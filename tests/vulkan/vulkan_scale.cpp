@@ -5,7 +5,7 @@
 
 #include "vulkan_tracer.h"
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanScale : public VulkanTest {
 protected:
@@ -99,4 +99,4 @@ TEST_F(VulkanScale, BlocksBeyondTheLargestBuffer) {
   EXPECT_LT(imported.deviceBytes, copied.deviceBytes);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -10,7 +10,7 @@
 #include <functional>
 #include <limits>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using VulkanScenes = VulkanAPI;
 
@@ -438,4 +438,4 @@ TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain) {
   EXPECT_EQ(before.uploadedBytes, after.uploadedBytes);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

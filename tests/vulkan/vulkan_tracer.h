@@ -9,7 +9,7 @@
 
 #include <stdexcept>
 
-namespace cbvh::test {
+namespace programs::test {
 
 inline void intersectOnDevice(const VulkanScene& scene, std::vector<RTCRayHit>& rays) {
   RTCVulkanTrace trace = rtcStartVulkanIntersect(scene.get(), rays.data(), rays.size());
@@ -23,4 +23,4 @@ inline void occludedOnDevice(const VulkanScene& scene, std::vector<RTCRay>& rays
     throw std::runtime_error("tracing on the Vulkan device failed");
 }
 
-} // namespace cbvh::test
+} // namespace programs::test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <thread>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 using VulkanTraces = VulkanAPI;
 
@@ -212,4 +212,4 @@ TEST_F(VulkanTraces, ThreadsTraceOneSceneConcurrently) {
   expectAsOnTheCPU(scene, rays, traced[0]);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

@@ -18,7 +18,7 @@
 
 #include <stdexcept>
 
-namespace cbvh::test { namespace {
+namespace programs::test { namespace {
 
 class VulkanWatertight : public testing::TestWithParam<RTCCompression> {
 protected:
@@ -38,7 +38,7 @@ TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit) {
   settings.raysPerSheet = 5000;
   settings.seed = 81;
   settings.device = "vulkan";
-  const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, 1);
+  const programs::SheetCrossings found = crossSheets(device, GetParam(), settings, 1);
   EXPECT_GT(found.rays, found.gridMisses * 100);
   EXPECT_EQ(found.closest, 0u);
   EXPECT_EQ(found.any, 0u);
@@ -114,4 +114,4 @@ TEST_P(VulkanWatertight, SecondaryRaysMatchCpu) {
   EXPECT_LE(onDevice.all.falsePasses, onProcessor.all.falsePasses + slack);
 }
 
-}} // namespace cbvh::test
+}} // namespace programs::test

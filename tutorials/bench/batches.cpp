@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 
 bool differOnlyByLibrary(const Variant& a, const Variant& b) {
   return a.representation.label() == b.representation.label() && a.isa == b.isa;
@@ -62,4 +62,4 @@ std::string sizeMessage(const std::string& what, size_t quads, size_t needed, si
   return text;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Variant {
   Representation representation;
@@ -41,4 +41,4 @@ size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildS
 
 std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available);
 
-} // namespace cbvh
+} // namespace programs

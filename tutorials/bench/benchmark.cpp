@@ -6,7 +6,7 @@
 #include "group_run.h"
 #include "programs/program_scene.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 Model loadModel(const BenchOptions& options, const BenchScene& bench) {
@@ -34,4 +34,4 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
   }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,9 +8,9 @@
 
 #include <functional>
 
-namespace cbvh {
+namespace programs {
 
 /* Calls done(group) after each group. Throws Error. */
 void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done);
 
-} // namespace cbvh
+} // namespace programs

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Sizes in Embree 3.13. */
@@ -72,4 +72,4 @@ std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch,
   return std::nullopt;
 }
 
-} // namespace cbvh
+} // namespace programs

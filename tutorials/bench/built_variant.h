@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class BuiltVariant {
 public:
@@ -41,4 +41,4 @@ private:
 /* Index of the first library's counterpart of variant i. Empty if there is none, or if it is i itself. */
 std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i);
 
-} // namespace cbvh
+} // namespace programs

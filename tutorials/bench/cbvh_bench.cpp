@@ -17,30 +17,30 @@
 
 namespace {
 
-void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine) {
-  if (!options.pictures.empty()) cbvh::prepareOutputFolder(options.pictures);
+void measure(const programs::BenchOptions& options, const programs::Machine& machine) {
+  if (!options.pictures.empty()) programs::prepareOutputFolder(options.pictures);
   const std::filesystem::path folder = std::filesystem::path(options.json).parent_path();
-  if (!folder.empty()) cbvh::prepareOutputFolder(folder.string());
-  cbvh::requireWritable({{"--json", options.json}});
-  cbvh::writeStandardOutput(cbvh::formatHead(options, machine));
+  if (!folder.empty()) programs::prepareOutputFolder(folder.string());
+  programs::requireWritable({{"--json", options.json}});
+  programs::writeStandardOutput(programs::formatHead(options, machine));
 
   /* Rewritten after each group, so that a stopped run keeps its results. */
-  std::vector<cbvh::Group> groups;
+  std::vector<programs::Group> groups;
   const size_t wanted = options.scenes.size() * options.levels.size();
-  cbvh::runBenchmark(options, [&](const cbvh::Group& group) {
+  programs::runBenchmark(options, [&](const programs::Group& group) {
     groups.push_back(group);
     if (!options.json.empty())
-      cbvh::writeTextFile(options.json, cbvh::formatJson(options, machine, groups, groups.size() == wanted));
-    cbvh::writeStandardOutput(cbvh::formatTable(group));
+      programs::writeTextFile(options.json, programs::formatJson(options, machine, groups, groups.size() == wanted));
+    programs::writeStandardOutput(programs::formatTable(group));
   });
 }
 
 int run(int argc, char** argv) {
-  const cbvh::Machine machine = cbvh::describeMachine();
-  const std::optional<cbvh::BenchOptions> options = cbvh::parseBenchOptions(argc, argv, machine);
+  const programs::Machine machine = programs::describeMachine();
+  const std::optional<programs::BenchOptions> options = programs::parseBenchOptions(argc, argv, machine);
   if (!options) return 0;
-  cbvh::installCancelHandler();
-  cbvh::forceExitAfterCancel("cbvh_bench");
+  programs::installCancelHandler();
+  programs::forceExitAfterCancel("cbvh_bench");
   measure(*options, machine);
   return 0;
 }
@@ -48,5 +48,5 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_bench", [=] { return run(argc, argv); });
+  return programs::runProgram("cbvh_bench", [=] { return run(argc, argv); });
 }

@@ -47,7 +47,7 @@
                                                                               ".popsection\n");
 CBVH_EMBREE_FUNCTIONS(CBVH_FUNCTION)
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct Slot {
@@ -88,4 +88,4 @@ void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& lib
   fill(functions, std::make_index_sequence<std::size(slots)>());
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <map>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Addresses by name; null if the library lacks the function. */
 using EmbreeFunctions = std::map<std::string, void*>;
@@ -22,4 +22,4 @@ EmbreeFunctions embreeFunctionsOf(void* opened);
  * during this call. */
 void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library);
 
-} // namespace cbvh
+} // namespace programs

@@ -19,7 +19,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 Group newGroup(const GroupSettings& settings) {
@@ -177,4 +177,4 @@ private:
 
 Group runGroup(const GroupSettings& settings) { return GroupRun(settings).run(); }
 
-} // namespace cbvh
+} // namespace programs

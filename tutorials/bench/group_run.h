@@ -10,7 +10,7 @@
 #include "views.h"
 #include "surface/true_surface.h"
 
-namespace cbvh {
+namespace programs {
 
 struct GroupSettings {
   const BenchOptions& options;
@@ -24,4 +24,4 @@ struct GroupSettings {
 /* Throws Error. */
 Group runGroup(const GroupSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

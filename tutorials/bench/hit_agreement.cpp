@@ -5,7 +5,7 @@
 
 #include "basics/parallel.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 HitAgreement agreementOf(const BuiltVariant& first, const BuiltVariant& other, const View& view, RaySet set,
@@ -36,4 +36,4 @@ void compareLibraries(const BenchOptions& options, const std::vector<View>& view
   }
 }
 
-} // namespace cbvh
+} // namespace programs

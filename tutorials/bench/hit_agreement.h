@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Adds agreements with the first library to variants of other libraries that have none. `title` names the phase.
  * Throws Canceled. */
 void compareLibraries(const BenchOptions& options, const std::vector<View>& views,
                       const std::vector<BuiltVariant>& batch, const std::string& title);
 
-} // namespace cbvh
+} // namespace programs

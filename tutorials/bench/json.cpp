@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 using nlohmann::json;
@@ -250,4 +250,4 @@ std::string formatAbout(const Machine& machine) {
   return about.dump();
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Includes everything that is necessary to repeat the run. `complete` is true if all groups are included. */
 std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups,
@@ -19,4 +19,4 @@ std::string formatJson(const BenchOptions& options, const Machine& machine, cons
 /* Commit, usable instruction sets and scenes. */
 std::string formatAbout(const Machine& machine);
 
-} // namespace cbvh
+} // namespace programs

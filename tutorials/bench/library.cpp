@@ -16,7 +16,7 @@
 #include <iostream>
 #include <sstream>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,4 +120,4 @@ std::vector<std::string> commonIsas(const std::vector<Library>& libraries) {
   return common;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class Library {
 public:
@@ -52,4 +52,4 @@ std::vector<Library> openLibraries(const std::vector<std::string>& paths);
  * none. */
 std::vector<std::string> commonIsas(const std::vector<Library>& libraries);
 
-} // namespace cbvh
+} // namespace programs

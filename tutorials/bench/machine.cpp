@@ -14,7 +14,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string processorName() {
@@ -98,4 +98,4 @@ void requireIsa(const Machine& machine, const std::string& isa) {
     throw Error("--isa '" + isa + "': this processor does not have it: expected best, or one that --about lists");
 }
 
-} // namespace cbvh
+} // namespace programs

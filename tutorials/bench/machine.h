@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Machine {
   std::string cpu;
@@ -35,4 +35,4 @@ std::string bestIsa(const Machine& machine);
 /* Throws Error unless library and processor have the instruction set: Embree would silently select another. */
 void requireIsa(const Machine& machine, const std::string& isa);
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include "surface/height_map.h"
 #include "surface/height_texture.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 [[noreturn]] void rejectImage(const std::string& path) {
@@ -36,4 +36,4 @@ void HeightTexture::sample(unsigned, float, float, float, float, float*) const {
 
 void writePng(const std::string& path, const Image&) { rejectImage(path); }
 
-} // namespace cbvh
+} // namespace programs

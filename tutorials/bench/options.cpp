@@ -17,7 +17,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::vector<std::string> split(const std::string& option, const std::string& list) {
@@ -329,4 +329,4 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   return o;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct BenchScene {
   std::string label; // "cube", "cube:0.45", "herd-40"
@@ -56,4 +56,4 @@ struct BenchOptions {
  * anything is built. */
 std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine);
 
-} // namespace cbvh
+} // namespace programs

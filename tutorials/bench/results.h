@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Speed for a view, a ray set, a query, a mode and a number of threads. */
 struct Speed {
@@ -81,4 +81,4 @@ struct Group {
   std::deque<VariantResult> results; // in the order of building; addresses stay valid
 };
 
-} // namespace cbvh
+} // namespace programs

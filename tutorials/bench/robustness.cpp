@@ -8,7 +8,7 @@
 
 #include <sstream>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr size_t pointsPerKind = 100000; // a tenth of a check's default number of rays
@@ -123,4 +123,4 @@ std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const Built
   return all;
 }
 
-} // namespace cbvh
+} // namespace programs

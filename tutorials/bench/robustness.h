@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Checks {
   bool leaks = false;
@@ -91,4 +91,4 @@ private:
   std::map<int, AimPoints> points; // by frame level
 };
 
-} // namespace cbvh
+} // namespace programs

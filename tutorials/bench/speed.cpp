@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 struct Combination {
@@ -96,4 +96,4 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
     }
 }
 
-} // namespace cbvh
+} // namespace programs

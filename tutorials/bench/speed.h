@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Adds a record per combination to every variant's result, in the same order. `batch` begins with GRID of each ISA
  * and library; `title` names the phase. Throws Canceled. */
 void measureSpeed(const BenchOptions& options, const std::vector<View>& views, const std::vector<BuiltVariant>& batch,
                   const std::string& title);
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string number(const char* format, double value) {
@@ -139,4 +139,4 @@ std::string formatTable(const Group& g) {
   return out;
 }
 
-} // namespace cbvh
+} // namespace programs

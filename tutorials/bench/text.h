@@ -9,11 +9,11 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 std::string formatHead(const BenchOptions& options, const Machine& machine);
 
 /* One line per variant, each followed by lines for checks and combinations. */
 std::string formatTable(const Group& group);
 
-} // namespace cbvh
+} // namespace programs

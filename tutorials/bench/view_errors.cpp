@@ -5,7 +5,7 @@
 
 #include "tracing/trace_hits.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::vector<SurfaceHit> selectHits(const std::vector<SurfaceHit>& hits, const std::vector<size_t>& rays) {
@@ -52,4 +52,4 @@ ViewResult errorsInView(const ErrorSettings& settings, const View& view, const B
   return result;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include "views.h"
 #include "surface/true_surface.h"
 
-namespace cbvh {
+namespace programs {
 
 struct ErrorSettings {
   const Model& model;
@@ -19,4 +19,4 @@ struct ErrorSettings {
 ViewResult errorsInView(const ErrorSettings& settings, const View& view, const BuiltScene& scene,
                         const std::vector<SurfaceHit>& hits);
 
-} // namespace cbvh
+} // namespace programs

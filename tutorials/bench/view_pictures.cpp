@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 
 ViewPictures::ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level)
   : options(options),
@@ -55,4 +55,4 @@ std::string ViewPictures::path(const std::string& name) const {
   return (std::filesystem::path(options.pictures) / name).string();
 }
 
-} // namespace cbvh
+} // namespace programs

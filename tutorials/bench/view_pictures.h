@@ -6,7 +6,7 @@
 #include "views.h"
 #include "pictures/image.h"
 
-namespace cbvh {
+namespace programs {
 
 class ViewPictures {
 public:
@@ -30,4 +30,4 @@ private:
   int level;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* "view1" for the first view if it is given as numbers. */
@@ -89,4 +89,4 @@ ViewInfo describe(const View& view) {
   return info;
 }
 
-} // namespace cbvh
+} // namespace programs

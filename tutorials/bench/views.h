@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* All levels use its camera. */
 struct ReferenceView {
@@ -46,4 +46,4 @@ std::vector<View> makeViews(const BenchOptions& options, const Model& model, con
 
 ViewInfo describe(const View& view);
 
-} // namespace cbvh
+} // namespace programs

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 struct Options {
   std::vector<std::string> scenes{"cube", "trex", "frog", "scythe", "knee"};
@@ -147,8 +147,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_clusters", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_clusters", [=] { return programs::run(argc, argv); });
 }

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 struct Options {
   std::vector<size_t> counts{1, 10, 100, 10000, 100000};
@@ -277,8 +277,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_commits", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_commits", [=] { return programs::run(argc, argv); });
 }

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 struct Options {
   ComparedScenes compared;
@@ -107,8 +107,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_diced", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_diced", [=] { return programs::run(argc, argv); });
 }

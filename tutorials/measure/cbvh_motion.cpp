@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 struct Options {
   ComparedScenes compared;
@@ -179,8 +179,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_motion", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_motion", [=] { return programs::run(argc, argv); });
 }

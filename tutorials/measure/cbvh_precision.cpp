@@ -25,7 +25,7 @@
 #include <tuple>
 #include <vector>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 struct Options {
   ComparedScenes compared;
@@ -384,8 +384,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_precision", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_precision", [=] { return programs::run(argc, argv); });
 }

@@ -16,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 using CommitGeometry = std::function<GeometryHandle(const RTCCompressionArguments&)>;
 
@@ -97,4 +97,4 @@ private:
   SceneHandle scene; // released before its device
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -17,7 +17,7 @@
 #include <chrono>
 #include <cstdio>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 /* Views are fitted to GRID; a coarse one is sufficient. */
 Camera findCamera(const PathTracerOptions& options, const Model& model) {
@@ -85,8 +85,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_pathtracer", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_pathtracer", [=] { return programs::run(argc, argv); });
 }

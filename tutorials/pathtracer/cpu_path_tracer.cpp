@@ -7,7 +7,7 @@
 #include "basics/parallel.h"
 #include "tracing/ray_conversion.h"
 
-namespace cbvh {
+namespace programs {
 namespace path {
 namespace {
 
@@ -83,4 +83,4 @@ std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& vi
   return std::make_unique<CpuPathTracer>(scene, view, threads);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -38,7 +38,7 @@ vec3 vector(float x, float y, float z) { return vec3(x, y, z); }
 #define PATH_FUNCTION inline
 #define PATH_CONSTANT static constexpr
 
-namespace cbvh::path {
+namespace programs::path {
 
 using vec3 = Vec3f;
 using TracedScene = RTCScene;
@@ -48,7 +48,7 @@ using std::sqrt;
 
 inline vec3 vector(float x, float y, float z) { return {x, y, z}; }
 
-} // namespace cbvh::path
+} // namespace programs::path
 
 #endif
 

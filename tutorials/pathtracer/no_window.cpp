@@ -4,7 +4,7 @@
 #include "window.h"
 #include "basics/error.h"
 
-namespace cbvh {
+namespace programs {
 
 void requireWindows() {
   throw Error("--window: this build has no windows, which need GLFW and OpenGL: expected --output");
@@ -12,4 +12,4 @@ void requireWindows() {
 
 void showWindow(PathTracer&, ImageSize, unsigned) { requireWindows(); }
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* The first GPU, otherwise the CPU. Skips Mesa's llvmpipe, which runs on the CPU. */
@@ -97,4 +97,4 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv) {
   return o;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct PathTracerOptions {
   SceneSettings scene;
@@ -36,4 +36,4 @@ struct PathTracerOptions {
 /* Returns nothing after printing help. Throws Error, one line. */
 std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv);
 
-} // namespace cbvh
+} // namespace programs

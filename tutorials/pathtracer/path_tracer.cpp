@@ -3,7 +3,7 @@
 
 #include "path_tracer.h"
 
-namespace cbvh {
+namespace programs {
 
 PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter) {
   const float width = float(camera.size().width), height = float(camera.size().height);
@@ -35,4 +35,4 @@ std::vector<Vec3f> PathTracer::picture() const {
   return pixels;
 }
 
-} // namespace cbvh
+} // namespace programs

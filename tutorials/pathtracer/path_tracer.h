@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 using path::PathView;
 
@@ -48,4 +48,4 @@ std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& vi
 std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& selector,
                                                  bool byRayQuery = false);
 
-} // namespace cbvh
+} // namespace programs

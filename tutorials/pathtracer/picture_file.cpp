@@ -13,7 +13,7 @@
 
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 bool isExr(const std::string& path) { return std::filesystem::path(path).extension() == ".exr"; }
@@ -50,4 +50,4 @@ void writePicture(const std::string& path, ImageSize size, const std::vector<Vec
   else writePng(path, toImage(size, pixels));
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 /* Throws Error with the option unless the extension is .exr or .png and the folder exists. */
 void validatePicturePath(const std::string& path);
@@ -20,4 +20,4 @@ Image toImage(ImageSize size, const std::vector<Vec3f>& pixels);
  * Error with the path. */
 void writePicture(const std::string& path, ImageSize size, const std::vector<Vec3f>& pixels);
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string nameOf(VkResult result) {
@@ -144,4 +144,4 @@ void VulkanBuffer::destroy() {
   vkFreeMemory(device.vk.device, memory, nullptr); // also unmaps
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <functional>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* Throws Error with `operation` if the result is an error. */
 void checkVulkan(VkResult result, const std::string& operation);
@@ -71,4 +71,4 @@ private:
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
-} // namespace cbvh
+} // namespace programs

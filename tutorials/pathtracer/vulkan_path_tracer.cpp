@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 using path::PathArguments;
@@ -194,4 +194,4 @@ std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView&
   return std::make_unique<VulkanPathTracer>(scene, view, selector, byRayQuery);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 
 #include <GLFW/glfw3.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string glfwMessage;
@@ -78,4 +78,4 @@ void showWindow(PathTracer& tracer, ImageSize size, unsigned samples) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include "path_tracer.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Throws Error if the build or the machine has no windows. */
 void requireWindows();
@@ -16,4 +16,4 @@ void requireWindows();
  * sample. Throws Error and Canceled. */
 void showWindow(PathTracer& tracer, ImageSize size, unsigned samples);
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace cbvh::python {
+namespace programs::python {
 namespace {
 
 using Integers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
@@ -148,4 +148,4 @@ py::array_t<float> arrayOf(const Box3f& box) {
   return arrayOf<float>({2, 3}, [&](size_t i) { return (&corners[0].x)[i]; });
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh::python {
+namespace programs::python {
 
 namespace py = pybind11;
 
@@ -91,4 +91,4 @@ py::array_t<T> arrayOf(const Shape& shape, const Function& function) {
 py::array_t<float> arrayOf(Vec3f v);
 py::array_t<float> arrayOf(const Box3f& box);
 
-} // namespace cbvh::python
+} // namespace programs::python

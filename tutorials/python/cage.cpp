@@ -17,7 +17,7 @@
 #include <memory>
 #include <numeric>
 
-namespace cbvh::python {
+namespace programs::python {
 namespace {
 
 const std::vector<std::string> boundaryRules{"none", "edge_and_corner", "edge_only"}; // in order of BoundaryRule
@@ -206,4 +206,4 @@ Raises Error with the line for a file that cannot be read, and Error if OpenSubd
       });
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

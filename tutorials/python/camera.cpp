@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace cbvh::python {
+namespace programs::python {
 
 ImageSize imageSize(std::pair<int, int> size) {
   constexpr int most = 16384; // as for --size of the programs
@@ -111,4 +111,4 @@ seed: the same seed returns the same rays.
 Returns origins and directions, (n, 3) float32 each. Rays start on the visible side of the surface.)");
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

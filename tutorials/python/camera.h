@@ -7,9 +7,9 @@
 
 #include <utility>
 
-namespace cbvh::python {
+namespace programs::python {
 
 /* Raises ValueError if out of range. */
 ImageSize imageSize(std::pair<int, int> size);
 
-} // namespace cbvh::python
+} // namespace programs::python

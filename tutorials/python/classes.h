@@ -5,7 +5,7 @@
 
 #include <pybind11/pybind11.h>
 
-namespace cbvh::python {
+namespace programs::python {
 
 namespace py = pybind11;
 
@@ -14,4 +14,4 @@ void defineModel(py::module_& module);  // after Cage
 void defineCamera(py::module_& module); // after Hits
 void defineScene(py::module_& module);  // after Model, Camera and Hits
 
-} // namespace cbvh::python
+} // namespace programs::python

@@ -9,7 +9,7 @@
 #include <memory>
 #include <type_traits>
 
-namespace cbvh::python {
+namespace programs::python {
 namespace {
 
 /* The shape without the last axis. */
@@ -154,4 +154,4 @@ If two scenes of one surface differ because a ray slipped between two triangles,
 is the correct one: nearer_hits(grid, naive) is the reference of errors in cbvh_render.)");
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

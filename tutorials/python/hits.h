@@ -10,7 +10,7 @@
 #include "building/surface_hit.h"
 #include "tracing/ray.h"
 
-namespace cbvh::python {
+namespace programs::python {
 
 struct Rays {
   Shape shape;
@@ -36,4 +36,4 @@ void requireRays(const Hits& hits, const std::string& argument, size_t rays, con
 
 void defineHits(py::module_& module);
 
-} // namespace cbvh::python
+} // namespace programs::python

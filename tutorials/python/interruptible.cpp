@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-namespace cbvh::python {
+namespace programs::python {
 namespace {
 
 constexpr auto pollInterval = std::chrono::milliseconds(50);
@@ -158,4 +158,4 @@ void cancelAllAtExit() {
   }
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

@@ -17,7 +17,7 @@
 #include <optional>
 #include <utility>
 
-namespace cbvh::python {
+namespace programs::python {
 
 namespace py = pybind11;
 
@@ -36,4 +36,4 @@ auto interruptible(const py::object& progress, const Work& work) {
 void cancelAllAtExit();
 bool interpreterEnds(); // after cancelAllAtExit
 
-} // namespace cbvh::python
+} // namespace programs::python

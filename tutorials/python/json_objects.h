@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <string>
 
-namespace cbvh::python {
+namespace programs::python {
 
 template<typename Json>
 pybind11::object objectOf(const Json& json) {
@@ -34,4 +34,4 @@ pybind11::object objectOf(const Json& json) {
   return py::none();
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

@@ -24,7 +24,7 @@
 #include <optional>
 #include <system_error>
 
-namespace cbvh::python {
+namespace programs::python {
 namespace {
 
 namespace fs = std::filesystem;
@@ -321,4 +321,4 @@ void defineModel(py::module_& module) {
       "scene_names", [] { return sceneNames(); }, "Returns the names of the generated scenes, for Model.generate.");
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

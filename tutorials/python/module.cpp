@@ -15,7 +15,7 @@
 
 #include <exception>
 
-namespace cbvh::python { namespace {
+namespace programs::python { namespace {
 
 constexpr const char* moduleText =
     R"(Builds, traces and compares displaced subdivision surfaces in the representations of Embree CBVH.
@@ -42,11 +42,11 @@ void translate(std::exception_ptr thrown) {
   } catch (const Error& e) { PyErr_SetObject(errorType, stringOf(e.what()).ptr()); }
 }
 
-}} // namespace cbvh::python
+}} // namespace programs::python
 
 PYBIND11_MODULE(embree_cbvh, module) {
-  using namespace cbvh::python;
-  cbvh::setSettingNames(cbvh::SettingNames::Arguments);
+  using namespace programs::python;
+  programs::setSettingNames(programs::SettingNames::Arguments);
   module.doc() = moduleText;
   module.attr("__version__") = RTC_COMPRESSION_VERSION_STRING;
   errorType = PyErr_NewExceptionWithDoc("embree_cbvh.Error",

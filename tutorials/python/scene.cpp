@@ -31,7 +31,7 @@
 #include <memory>
 #include <optional>
 
-namespace cbvh::python {
+namespace programs::python {
 namespace {
 
 struct Scene {
@@ -530,4 +530,4 @@ void defineScene(py::module_& module) {
   module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("pixel_size"), pixelErrorsText);
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-namespace cbvh::python {
+namespace programs::python {
 
 /* Issues a Python warning per line. Replaces bytes that are not UTF-8. Requires the interpreter's lock. */
 inline void warn(const std::string& lines) {
@@ -18,4 +18,4 @@ inline void warn(const std::string& lines) {
       throw pybind11::error_already_set(); // the user turned warnings into errors
 }
 
-} // namespace cbvh::python
+} // namespace programs::python

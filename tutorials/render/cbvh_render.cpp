@@ -13,29 +13,30 @@
 namespace {
 
 int run(int argc, char** argv) {
-  const std::optional<cbvh::Options> options = cbvh::parseOptions(argc, argv);
+  const std::optional<programs::Options> options = programs::parseOptions(argc, argv);
   if (!options) return 0;
-  cbvh::installCancelHandler();
-  cbvh::forceExitAfterCancel("cbvh_render");
-  cbvh::prepareOutputFolder(options->output);
-  cbvh::requireWritable({{"--save", options->savePath}, {"--export", options->exportPath}, {"--json", options->json}});
+  programs::installCancelHandler();
+  programs::forceExitAfterCancel("cbvh_render");
+  programs::prepareOutputFolder(options->output);
+  programs::requireWritable(
+      {{"--save", options->savePath}, {"--export", options->exportPath}, {"--json", options->json}});
   if (!options->loadPath.empty()) {
-    cbvh::renderSavedScene(*options);
+    programs::renderSavedScene(*options);
     return 0;
   }
-  const cbvh::ModelView view(*options);
+  const programs::ModelView view(*options);
   if (options->savesCopyByCopy()) {
-    cbvh::saveAndRender(*options, view);
+    programs::saveAndRender(*options, view);
     return 0;
   }
-  const cbvh::Comparison comparison = cbvh::runComparison(*options, view);
-  cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
-  if (!options->json.empty()) cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
+  const programs::Comparison comparison = programs::runComparison(*options, view);
+  programs::writeStandardOutput(programs::formatTable(comparison, options->details));
+  if (!options->json.empty()) programs::writeTextFile(options->json, programs::formatJson(comparison));
   return 0;
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_render", [=] { return run(argc, argv); });
+  return programs::runProgram("cbvh_render", [=] { return run(argc, argv); });
 }

@@ -27,7 +27,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 constexpr uint32_t sampleSeed = 1; // so that every run chooses the same hits
@@ -242,4 +242,4 @@ private:
 
 Comparison runComparison(const Options& options, const ModelView& view) { return Run(options, view).run(); }
 
-} // namespace cbvh
+} // namespace programs

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Result {
   Representation representation;
@@ -46,4 +46,4 @@ struct Comparison {
 /* Measures all representations and writes the pictures. Throws Error. */
 Comparison runComparison(const Options& options, const ModelView& view);
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 class Planner {
@@ -78,4 +78,4 @@ MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildS
   return Planner(requested, size, available).plan();
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct MemoryPlan {
   /* In the order of building: GRID, which stays in memory, then NAIVE and NAIVE-compact, then the compressed ones. */
@@ -22,4 +22,4 @@ struct MemoryPlan {
  * fits. */
 MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available);
 
-} // namespace cbvh
+} // namespace programs

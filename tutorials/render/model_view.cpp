@@ -8,7 +8,7 @@
 #include "programs/program_scene.h"
 #include "programs/view_options.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* The same for every representation: fitted to a GRID at a level that is fast to build. */
@@ -37,4 +37,4 @@ ModelView::ModelView(const Options& options)
     camera(cameraOf(options, model, threadCount(options.build.threads))),
     build(settingsFor(options, model, camera)) {}
 
-} // namespace cbvh
+} // namespace programs

@@ -5,7 +5,7 @@
 
 #include "options.h"
 
-namespace cbvh {
+namespace programs {
 
 struct ModelView {
   Model model;
@@ -16,4 +16,4 @@ struct ModelView {
   explicit ModelView(const Options& options);
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Unparsed options, with the defaults that --help shows. */
@@ -190,4 +190,4 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   return o;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Options {
   SceneSettings scene;
@@ -52,4 +52,4 @@ struct Options {
 /* Returns nothing after printing help. Throws Error, one line. */
 std::optional<Options> parseOptions(int argc, char** argv);
 
-} // namespace cbvh
+} // namespace programs

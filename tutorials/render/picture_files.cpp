@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 
 std::string PictureFiles::writePicture(const Representation& r, const Image& image) {
   writePng(path(r, ".png"), image);
@@ -17,7 +17,7 @@ std::string PictureFiles::writePicture(const Representation& r, const Image& ima
 
 void PictureFiles::writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
                             const std::vector<SurfaceHit>& hits) {
-  cbvh::writeExr(path(r, ".exr"), whole, part, colors, rays, hits);
+  programs::writeExr(path(r, ".exr"), whole, part, colors, rays, hits);
   exr.push_back(r.fileStem());
 }
 
@@ -65,4 +65,4 @@ std::string PictureFiles::legend(const std::string& reference) const {
               "ambient occlusion of GRID, of this representation, and 4 times the difference");
 }
 
-} // namespace cbvh
+} // namespace programs

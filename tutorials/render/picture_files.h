@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 class PictureFiles {
 public:
@@ -60,4 +60,4 @@ private:
   std::vector<std::string> shaded, exr, errorMaps, ambient, ambientWithGrid; // of representations
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <functional>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string number(double value, int digits) {
@@ -273,4 +273,4 @@ std::string formatTable(const Comparison& c, bool details) {
   return modelLine(c) + (c.speed ? speedLine(c) : "") + errorLine(c) + "\n" + table.text() + "\n" + c.pictures;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 /* A description of the run, a Markdown table (about a dozen rows, or all if `details`), and the paths of the
  * pictures. */
@@ -16,4 +16,4 @@ std::string formatTable(const Comparison& comparison, bool details);
 /* The same numbers, unrounded. */
 std::string formatJson(const Comparison& comparison);
 
-} // namespace cbvh
+} // namespace programs

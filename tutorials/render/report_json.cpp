@@ -6,7 +6,7 @@
 #include "programs/errors_json.h"
 #include "programs/json_text.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 using nlohmann::json;
@@ -60,4 +60,4 @@ std::string formatJson(const Comparison& c) {
   return textOfJson(out, 2);
 }
 
-} // namespace cbvh
+} // namespace programs

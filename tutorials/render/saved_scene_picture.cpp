@@ -26,7 +26,7 @@
 #include <cstdio>
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Time of a ray through the middle of the picture, including initialization for a thread's first ray unless a close
@@ -143,4 +143,4 @@ void saveAndRender(const Options& options, const ModelView& view) {
           {"seam_gap_quads", built.seams.quads}});
 }
 
-} // namespace cbvh
+} // namespace programs

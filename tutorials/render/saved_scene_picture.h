@@ -5,7 +5,7 @@
 
 #include "model_view.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Renders the file options.loadPath into the output folder, and prints its size, its number of quads and times. Also
  * writes the files of --exr and --json, and measures --speed. Throws Error. */
@@ -15,4 +15,4 @@ void renderSavedScene(const Options& options);
  * renders the file as renderSavedScene does. The representation must be compressed. Throws Error. */
 void saveAndRender(const Options& options, const ModelView& view);
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 
 void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary,
                  const std::vector<SurfaceHit>& hits, RaySets& sets) {
@@ -102,4 +102,4 @@ double InterleavedSpeed::mrays(int set, const std::vector<double>& seconds) cons
   return double(sets[set].size()) * 1e-6 / median(seconds);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 using RaySets = std::vector<Ray>[numRaySets];
 
@@ -65,4 +65,4 @@ private:
   std::vector<double> gridSeconds[numRaySets][numQueries];
 };
 
-} // namespace cbvh
+} // namespace programs

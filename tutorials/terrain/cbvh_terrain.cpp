@@ -23,7 +23,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 void check(CbvhError error) {
   if (error != CBVH_OK) throw Error(std::string("libembree_cbvh: ") + cbvhGetErrorText());
@@ -206,8 +206,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_terrain", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_terrain", [=] { return programs::run(argc, argv); });
 }

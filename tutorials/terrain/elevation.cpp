@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Features are 256 to 4 samples wide; each octave is half as high as the previous one. */
@@ -153,4 +153,4 @@ std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned thr
   return heights;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct ElevationSettings {
   std::string path;
@@ -55,4 +55,4 @@ private:
   std::vector<float> rows; // from firstRow on
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -9,7 +9,7 @@
 #include <array>
 #include <cstring>
 
-namespace cbvh {
+namespace programs {
 
 EmbreeTerrain::EmbreeTerrain(const std::string& kernel)
   : device(""),
@@ -77,4 +77,4 @@ bool EmbreeTerrain::isOccluded(CbvhRay ray) const {
   return copy.tfar < 0;
 }
 
-} // namespace cbvh
+} // namespace programs

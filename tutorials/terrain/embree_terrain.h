@@ -12,7 +12,7 @@
 
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 class EmbreeTerrain {
 public:
@@ -37,4 +37,4 @@ private:
   size_t quads = 0;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 enum class HeightEncoding {
   Plain,     // a channel is the height
@@ -24,4 +24,4 @@ inline float decodeHeight(HeightEncoding encoding, const float* color) {
   return float((65536 * bytes[0] + 256 * bytes[1] + bytes[2]) / 10 - 10000);
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include "programs/command_line.h"
 #include "programs/outputs.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 void parseCopies(const std::string& text, ElevationSettings& elevation) {
@@ -103,4 +103,4 @@ void setCrop(Options& options, const Elevation& elevation) {
                 " with x0 < x1 and y0 < y1");
 }
 
-} // namespace cbvh
+} // namespace programs

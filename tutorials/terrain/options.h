@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct Options {
   ElevationSettings elevation;
@@ -30,4 +30,4 @@ bool parseOptions(Options& options, int argc, char** argv);
 /* Default: the whole raster. Throws Error for a part outside of it. */
 void setCrop(Options& options, const Elevation& elevation);
 
-} // namespace cbvh
+} // namespace programs

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Exponent of the power of two that is next to the cell, but not less than the spacing, so that x and y are multiples
@@ -43,4 +43,4 @@ Vec3f TerrainSpace::direction(double azimuth, double elevation) const {
   return {float(std::sin(azimuth) * horizontal), float(std::cos(azimuth) * horizontal), float(std::sin(elevation))};
 }
 
-} // namespace cbvh
+} // namespace programs

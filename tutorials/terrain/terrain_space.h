@@ -12,7 +12,7 @@
 #include "options.h"
 #include "basics/vec.h"
 
-namespace cbvh {
+namespace programs {
 
 class TerrainSpace {
 public:
@@ -46,4 +46,4 @@ private:
   float startHeight;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 
 TerrainTile makeTile(const Options& options, Elevation& elevation, const TerrainSpace& space, int x0, int y0) {
   TerrainTile tile;
@@ -23,4 +23,4 @@ TerrainTile makeTile(const Options& options, Elevation& elevation, const Terrain
   return tile;
 }
 
-} // namespace cbvh
+} // namespace programs

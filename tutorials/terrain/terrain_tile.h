@@ -12,7 +12,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct TerrainTile {
   int width, height;           // in vertices
@@ -23,4 +23,4 @@ struct TerrainTile {
 /* Starts at column x0 and row y0. Neighboring tiles share the vertices between them. */
 TerrainTile makeTile(const Options& options, Elevation& elevation, const TerrainSpace& space, int x0, int y0);
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include "programs/run_program.h"
 #include "programs/warnings.h"
 
-namespace cbvh { namespace {
+namespace programs { namespace {
 
 void writeOutput(const ViewerOptions& options) {
   Worker worker;
@@ -42,8 +42,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-}} // namespace cbvh
+}} // namespace programs
 
 int main(int argc, char** argv) {
-  return cbvh::runProgram("cbvh_viewer", [=] { return cbvh::run(argc, argv); });
+  return programs::runProgram("cbvh_viewer", [=] { return programs::run(argc, argv); });
 }

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Builds in much less than a second. */
@@ -53,4 +53,4 @@ std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const 
   return loaded;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 struct LoadedModel {
   SceneSettings source; // has an amplitude or scale, see withDefaultAmplitude
@@ -46,4 +46,4 @@ struct Document {
   std::string seamWarning; // once it was shown
 };
 
-} // namespace cbvh
+} // namespace programs

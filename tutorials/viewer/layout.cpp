@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Removes rows from the top of `rest` and returns them; at least one row remains. */
@@ -36,4 +36,4 @@ WindowLayout computeLayout(ImageSize window, PanelState panel, bool split) {
   return layout;
 }
 
-} // namespace cbvh
+} // namespace programs

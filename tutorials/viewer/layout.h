@@ -9,7 +9,7 @@
 
 #include "tracing/image_size.h"
 
-namespace cbvh {
+namespace programs {
 
 struct Rectangle {
   int x = 0, y = 0, width = 0, height = 0;
@@ -32,4 +32,4 @@ constexpr int panelWidth = 300, barHeight = 19; // fit the panel's text
 /* The panel is on the left of a wide window, otherwise above the picture. The window must be at least 1 x 1. */
 WindowLayout computeLayout(ImageSize window, PanelState panel, bool split);
 
-} // namespace cbvh
+} // namespace programs

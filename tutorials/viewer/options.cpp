@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string listOfModes() {
@@ -110,4 +110,4 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv) {
   return o;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct ViewerOptions {
   SceneSettings scene;                         // the window starts empty without a name
@@ -31,4 +31,4 @@ struct ViewerOptions {
 /* Returns nothing after printing help. Throws Error, one line. */
 std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv);
 
-} // namespace cbvh
+} // namespace programs

@@ -13,7 +13,7 @@
 #include <cstdio>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 const ImVec4 attention(1, 0.85f, 0.3f, 1);
@@ -366,4 +366,4 @@ void Panel::drawQuestion() {
   ImGui::End();
 }
 
-} // namespace cbvh
+} // namespace programs

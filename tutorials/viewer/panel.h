@@ -8,7 +8,7 @@
 #include "layout.h"
 #include "viewer.h"
 
-namespace cbvh {
+namespace programs {
 
 class Panel {
 public:
@@ -56,4 +56,4 @@ private:
   bool foldToggled = false, folded = false, hidden = false, asking = false, quit = false;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -16,7 +16,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Side of a tile in pixels. A tile is a task: large enough to outweigh its overhead, and small enough that the last
@@ -274,4 +274,4 @@ Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const 
   return picture.image();
 }
 
-} // namespace cbvh
+} // namespace programs

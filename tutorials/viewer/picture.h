@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 enum class PictureMode {
   Shading, // two lights
@@ -108,4 +108,4 @@ private:
 /* Renders all samples. Throws Canceled. */
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
-} // namespace cbvh
+} // namespace programs

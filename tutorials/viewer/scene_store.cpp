@@ -11,7 +11,7 @@
 #include <exception>
 #include <new>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Both halves and GRID, and as many for switching back. */
@@ -145,4 +145,4 @@ void SceneStore::finish() {
   if (!error.empty()) throw Error(error);
 }
 
-} // namespace cbvh
+} // namespace programs

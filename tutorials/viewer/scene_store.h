@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 constexpr int autoLevel = -1; // rates by a view
 
@@ -92,4 +92,4 @@ private:
   std::string error;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cbvh {
+namespace programs {
 
 SceneKey ViewState::key(const Representation& r) const {
   return {r, level, level == autoLevel && !r.isTriangulated() ? camera : std::nullopt};
@@ -44,4 +44,4 @@ std::vector<RepresentationKind> kindsOfKeys() {
   return kinds;
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace cbvh {
+namespace programs {
 
 struct ViewState {
   std::vector<Representation> representations; // one, or two for a split screen
@@ -33,4 +33,4 @@ inline bool operator!=(const ViewState& a, const ViewState& b) { return !(a == b
 /* The representations that the number keys select, from 1 on. NAIVE-compact is the last. */
 std::vector<RepresentationKind> kindsOfKeys();
 
-} // namespace cbvh
+} // namespace programs

@@ -15,7 +15,7 @@
 #include <filesystem>
 #include <new>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 std::string nameOf(const SceneSettings& source) {
@@ -56,7 +56,7 @@ void Viewer::open(const SceneSettings& source) {
 
 void Viewer::openFiles(const std::vector<std::string>& paths) {
   try {
-    open(cbvh::openFiles(paths, latestSource()));
+    open(programs::openFiles(paths, latestSource()));
   } catch (const Error& e) { lastMessage = e.what(); }
 }
 
@@ -397,4 +397,4 @@ void Viewer::centerAt(Vec2f pixel) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

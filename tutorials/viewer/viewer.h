@@ -15,7 +15,7 @@
 
 #include <chrono>
 
-namespace cbvh {
+namespace programs {
 
 class Viewer {
 public:
@@ -159,4 +159,4 @@ private:
   std::string lastMessage;
 };
 
-} // namespace cbvh
+} // namespace programs

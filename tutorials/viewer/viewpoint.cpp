@@ -3,7 +3,7 @@
 
 #include "viewpoint.h"
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 /* Rodrigues' rotation about a unit axis. */
@@ -67,4 +67,4 @@ void Viewpoint::zoom(Vec3f point, float factor) {
   }
 }
 
-} // namespace cbvh
+} // namespace programs

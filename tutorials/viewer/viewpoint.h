@@ -7,7 +7,7 @@
 
 #include "tracing/camera.h"
 
-namespace cbvh {
+namespace programs {
 
 class Viewpoint {
 public:
@@ -47,4 +47,4 @@ private:
   float fieldOfView;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -17,7 +17,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace cbvh {
+namespace programs {
 namespace {
 
 class Window : public embree::TutorialApplication {
@@ -282,7 +282,7 @@ void showWindow(const ViewerOptions& options) {
   throwIfCanceled();
 }
 
-} // namespace cbvh
+} // namespace programs
 
 /* --- functions that upstream's framework links against -------------------------------------- */
 

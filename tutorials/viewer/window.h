@@ -7,9 +7,9 @@
 
 #include "options.h"
 
-namespace cbvh {
+namespace programs {
 
 /* Returns when the window is closed. Throws Error if there is no display, and Canceled after a signal. */
 void showWindow(const ViewerOptions& options);
 
-} // namespace cbvh
+} // namespace programs

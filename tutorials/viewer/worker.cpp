@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace cbvh {
+namespace programs {
 
 Worker::~Worker() {
   stop();
@@ -76,4 +76,4 @@ std::optional<Worker::Progress> Worker::progress() const {
   return Progress{name, phase, fraction};
 }
 
-} // namespace cbvh
+} // namespace programs

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-namespace cbvh {
+namespace programs {
 
 class Worker {
 public:
@@ -63,4 +63,4 @@ private:
   double fraction = 0;
 };
 
-} // namespace cbvh
+} // namespace programs

@@ -4,7 +4,7 @@
 #include "factory.h"
 #include "../base/kinds.h"
 #include "../embree/scene.h"
-#include "../stored/compressed_tree.h"
+#include "../blocks/compressed_tree.h"
 
 namespace embree {
 DECLARE_SYMBOL2(Accel::Intersector1, BVH4CompressedSubdivIntersector1);

@@ -7,7 +7,7 @@
  * (kernels/upstream/patches). */
 
 #include "../embree/scene.h"
-#include "../stored/report.h"
+#include "../blocks/report.h"
 
 namespace embree {
 /*! True if a value of the device's key subdiv_accel selects compression, for example "cbvh", "cbvh.vert" or "cvert".

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* The commit of a geometry that can be compressed: beginCommit() runs before Embree reads the input, endCommit()
- * afterwards (state/compressible_geometry.h). The next commit of a scene builds the blocks (building/builder.cpp),
+ * afterwards (settings/compressible_geometry.h). The next commit of a scene builds the blocks (building/builder.cpp),
  * unless endCommit() has. */
 
 #include "interpolation_checks.h"
 #include "../base/environment.h"
-#include "../stored/surface_blocks.h"
+#include "../blocks/surface_blocks.h"
 #include "../surface/cage_memory.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/input_checks.h"

@@ -1,13 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The C API of include/embree3/rtcore_compressed_clusters.h: checks pointers, calls core/stored_surface.h, and reports
- * its exceptions to the device. */
+/* The C API of include/embree3/rtcore_compressed_clusters.h: checks pointers, calls operations/stored_surface.h, and
+ * reports its exceptions to the device. */
 
 #define RTC_EXPORT_API
 
 #include "structs.h"
-#include "../core/stored_surface.h"
+#include "../operations/stored_surface.h"
 
 using namespace embree;
 

@@ -1,13 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The C API of include/embree3/rtcore_compressed_files.h: checks pointers, calls core/files.h, and reports exceptions
- * to the device. Errors that concern no device, such as NULL objects, are reported to the calling thread. */
+/* The C API of include/embree3/rtcore_compressed_files.h: checks pointers, calls operations/files.h, and reports
+ * exceptions to the device. Errors that concern no device, such as NULL objects, are reported to the calling thread. */
 
 #define RTC_EXPORT_API
 
 #include "structs.h"
-#include "../core/files.h"
+#include "../operations/files.h"
 
 using namespace embree;
 

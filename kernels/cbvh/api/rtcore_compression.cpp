@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The C API of include/embree3/rtcore_compression.h: checks pointers and flags, calls core/compression.h, and
+/* The C API of include/embree3/rtcore_compression.h: checks pointers and flags, calls operations/compression.h, and
  * reports exceptions to the device. Errors that concern no device, such as NULL objects, are reported to the calling
  * thread. */
 
 #define RTC_EXPORT_API
 
 #include "structs.h"
-#include "../core/compression.h"
+#include "../operations/compression.h"
 
 using namespace embree;
 

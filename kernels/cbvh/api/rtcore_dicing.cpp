@@ -1,13 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The C API of include/embree3/rtcore_dicing.h: checks pointers, calls core/dicing.h, and reports its exceptions to
- * the device. */
+/* The C API of include/embree3/rtcore_dicing.h: checks pointers, calls operations/dicing.h, and reports its exceptions
+ * to the device. */
 
 #define RTC_EXPORT_API
 
 #include "structs.h"
-#include "../core/dicing.h"
+#include "../operations/dicing.h"
 
 using namespace embree;
 

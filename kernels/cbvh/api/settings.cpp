@@ -1,13 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Parses the compression settings of the device string and of EMBREE_CBVH (state/settings.h). */
+/* Parses the compression settings of the device string and of EMBREE_CBVH (settings/settings.h). */
 
 #include "../embree/scene.h"
-#include "../core/device_string.h"
-#include "../core/lower_case.h"
+#include "../operations/device_string.h"
+#include "../operations/lower_case.h"
 #include "factory.h"
-#include "../state/settings.h"
+#include "../settings/settings.h"
 #include "../base/environment.h"
 #include "../base/kinds.h"
 #include "../base/number_text.h"

@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Structs of include/embree3 that may grow (core/struct_size.h), and conversions of internal structs to public ones.
- * vulkan/host/structs.h lists the structs of rtcore_vulkan.h. */
+/* Structs of include/embree3 that may grow (operations/struct_size.h), and conversions of internal structs to public
+ * ones. vulkan/host/structs.h lists the structs of rtcore_vulkan.h. */
 
-#include "../core/struct_size.h"
+#include "../operations/struct_size.h"
 #include "../embree/scene.h"
 #include "../../../include/embree3/rtcore_compressed_clusters.h"
 #include "../../../include/embree3/rtcore_compressed_files.h"
 #include "../../../include/embree3/rtcore_dicing.h"
 #include "../base/surface_statistics.h"
-#include "../stored/part.h"
+#include "../blocks/part.h"
 
 namespace embree {
 namespace core {

@@ -13,7 +13,7 @@
 #include "primitive_type.h"
 #include "step_box.h"
 #include "codec_names.h"
-#include "../../cvert/basics/world.h"
+#include "../../cvert/portable/world.h"
 
 namespace embree::isa {
 /*! Rounds outwards to floats, so that the box still contains the bounds. */

@@ -3,12 +3,12 @@
 
 /* Makes the names of the codec (kernels/cvert) visible in embree::cbvh. CBVH_ISA is the inline namespace of the
  * instruction set that a file is compiled for. CBVH_BEGIN and CBVH_END enclose code that compiles as C++ and as GLSL.
- * See cvert/basics/language.h. */
+ * See cvert/portable/language.h. */
 
 #ifndef CBVH_CODEC_NAMES_H
 #define CBVH_CODEC_NAMES_H
 
-#include "../../cvert/basics/language.h"
+#include "../../cvert/portable/language.h"
 
 #ifdef VULKAN
 #define CBVH_BEGIN

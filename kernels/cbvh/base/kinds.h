@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Kinds of blocks: the paper's cGRID, cVOXEL and cLEAF, whose blocks have frames (local coordinate systems), and cVERT.
- * Blocks with frames store the number of their kind (framed/block.h), which also determines references (reference.h)
+ * Blocks with frames store the number of their kind (paper/block.h), which also determines references (reference.h)
  * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *
  * Code in framed/ that selects by kind: block_encoder.h, framed_rays1.h, framed_raysK.h, and in vulkan/shaders
  * cbvh.glsl and framed_block.glsl. Exceptions for single kinds:
  *
- *   cGRID   framed/writer.h: some blocks without a valid frame become cGRID. framed/block_bounds.h: the bounds of its
- *           vertices contain its surface. stored/stored_triangles.cpp: its triangles can be read. surface/plan.h:
+ *   cGRID   paper/writer.h: some blocks without a valid frame become cGRID. paper/block_bounds.h: the bounds of its
+ *           vertices contain its surface. blocks/stored_triangles.cpp: its triangles can be read. surface/plan.h:
  *           the default of blockKind.
- *   cLEAF   framed/writer.h: stores patches with holes as cLEAF if their kind does not support holes. surface/plan.h:
- *           has fallback faces. framed/block_geometry.h: has the smallest cells. The format of its leaves
- *           (framed/leaf/format.h) is included by the headers that decode nodes.
+ *   cLEAF   paper/writer.h: stores patches with holes as cLEAF if their kind does not support holes. surface/plan.h:
+ *           has fallback faces. paper/block_geometry.h: has the smallest cells. The format of its leaves
+ *           (paper/leaf/format.h) is included by the headers that decode nodes.
  *
  * To remove a kind, remove this code, its folder, its number, its bit in framedKinds and its row of kindDescriptions.
  * Its row of kindFormats must stay, because the rows are indexed by number. */

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Independent of Embree, for kernels/beside. */
+/* Independent of Embree, for kernels/capi. */
 
 #include <locale>
 #include <sstream>

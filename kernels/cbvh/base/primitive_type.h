@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Types of leaves of a scene's BVH4s, one over static and one over moving surfaces (stored/compressed_tree.h). Types 0
+/* Types of leaves of a scene's BVH4s, one over static and one over moving surfaces (blocks/compressed_tree.h). Types 0
  * and 1 are Embree's (GridSOA's inner leaves and root), so that a tree can contain blocks and uncompressed patches.
  * Embree's references have only 3 type bits. Therefore a type selects only the format of a block; the header of a block
  * with a frame stores its kind. */
@@ -22,7 +22,7 @@ namespace cbvh { inline namespace CBVH_ISA {
 enum PrimitiveType : uint32_t {
   GRID_SOA_QUADS = 0,
   GRID_SOA_ROOT = 1,
-  FRAMED_BLOCK = 2,      //!< framed/block.h; the header stores the kind
+  FRAMED_BLOCK = 2,      //!< paper/block.h; the header stores the kind
   VERT_BLOCK = 3,        //!< cvert/format/block.h
   MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in the tree of moving surfaces
   MESH_BLOCK = 5,        //!< cvert/format/mesh_block.h

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* References to the children of flat nodes (flat/flat_scene.h), for GPUs. The upper 5 bits are the type of the child.
- * The lower 27 bits are its index in an array that depends on the type. Indices suffice for at least 8 GiB of blocks:
- * they count blocks, and a block has at least 64 bytes. Compiled as C++ and GLSL. */
+/* References to the children of flat nodes (backend/flat_scene.h), for GPUs. The upper 5 bits are the type of the
+ * child. The lower 27 bits are its index in an array that depends on the type. Indices suffice for at least 8 GiB of
+ * blocks: they count blocks, and a block has at least 64 bytes. Compiled as C++ and GLSL. */
 
 #ifndef CBVH_REFERENCE_H
 #define CBVH_REFERENCE_H

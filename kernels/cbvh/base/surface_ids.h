@@ -5,7 +5,7 @@
 
 /* Surface numbers. Scenes share the blocks of a geometry, which may have a different ID in each scene. Blocks therefore
  * store a number that is unique in the process, and each scene maps numbers to its IDs when a hit is reported
- * (epilogues.h).
+ * (report_hit.h).
  *
  * If a scene has no compressed static geometry, Embree traces its static cages, and their GridSOAs store IDs instead of
  * numbers. Numbers of moving surfaces have an additional bit, movingSurface, which no ID has. */

@@ -91,7 +91,7 @@ struct InvalidVertex {
   unsigned timeStep = 0;
 };
 
-/*! Statistics of one surface, or of a part of it. Members other than `sums` are for messages; framed/writer.h also
+/*! Statistics of one surface, or of a part of it. Members other than `sums` are for messages; paper/writer.h also
  *  rejects a patch by its framelessQuads. */
 struct SurfaceStatistics {
   CompressionStatistics sums;

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Per-thread cache of decoded blocks, because consecutive rays mostly reach the same blocks, and decoding is most of a
- * ray's cost. Entries (vert/cache.h, vert/mesh_cache.h, framed/node_cache.h) are direct-mapped by block address. */
+ * ray's cost. Entries (exact/cache.h, exact/mesh_cache.h, paper/node_cache.h) are direct-mapped by block address. */
 
 #include "../embree/simd.h"
 #include <atomic>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads. Products are
+/* cvert/portable/language.h for Embree's vectors, so that shared code supports vectors of rays or quads. Products are
  * fused exactly where the code says so, because compilers could fuse differently in different places. */
 
 #include "codec_names.h"

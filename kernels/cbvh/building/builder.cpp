@@ -9,11 +9,11 @@
 #include "../base/thread_cache.h"
 #include "cage_source.h"
 #include "commit_line.h"
-#include "../stored/compressed_tree.h"
+#include "../blocks/compressed_tree.h"
 #include "grid_source.h"
 #include "input_bytes.h"
 #include "moving_blocks.h"
-#include "../stored/report.h"
+#include "../blocks/report.h"
 #include "surface_builder.h"
 #include <algorithm>
 

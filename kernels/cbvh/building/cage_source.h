@@ -4,18 +4,18 @@
 #pragma once
 
 /* The faces of a cage as a source of patches (surface/source.h). Patches become blocks of the requested kind, or of
- * another one if it cannot represent them (framed/writer.h). They become Embree's grids if the geometry is not
+ * another one if it cannot represent them (paper/writer.h). They become Embree's grids if the geometry is not
  * compressed, or if blocks do not support their edge rates. Parts of a patch without a valid frame can also become
  * grids (FramedWriter::writeBlock). */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
 #include "../surface/embree_bytes.h"
-#include "../vert/writer.h"
+#include "../exact/writer.h"
 #if defined(EMBREE_CBVH_NO_PAPER)
 #include "no_framed_writer.h"
 #else
-#include "../framed/writer.h"
+#include "../paper/writer.h"
 #endif
 
 namespace embree::isa {

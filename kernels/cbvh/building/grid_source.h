@@ -7,7 +7,7 @@
  * form grids. All are stored as cVERT. */
 
 #include "../surface/grid_patch.h"
-#include "../vert/writer.h"
+#include "../exact/writer.h"
 
 namespace embree::isa {
 /*! Grids: see surface/diced_grids.h. */

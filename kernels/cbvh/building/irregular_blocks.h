@@ -7,7 +7,7 @@
  * triangles into batches, by position. A task then clusters and encodes each batch. */
 
 #include "../surface/mesh_regions.h"
-#include "../vert/moving_mesh_writer.h"
+#include "../exact/moving_mesh_writer.h"
 #include "build_results.h"
 
 namespace embree::isa {

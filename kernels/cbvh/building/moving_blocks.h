@@ -7,12 +7,12 @@
  * unless the boxes that their build computed still exist. */
 
 #include "../base/primitive_type.h"
-#include "../vert/motion_decoder.h"
+#include "../exact/motion_decoder.h"
 #include "motion_tree.h"
-#include "../../cvert/basics/world.h"
+#include "../../cvert/portable/world.h"
 #include "../../cvert/decoder/decoded_block.h"
 #include "../../cvert/decoder/decoded_mesh.h"
-#include "../stored/surface_blocks.h"
+#include "../blocks/surface_blocks.h"
 #include <algorithm>
 #include <memory>
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Replaces framed/writer.h in libraries without the paper's representations (EMBREE_CBVH_NO_PAPER). Only
+/* Replaces paper/writer.h in libraries without the paper's representations (EMBREE_CBVH_NO_PAPER). Only
  * the constructor is called. */
 
 #include "../base/grid_soa_writer.h"

@@ -5,15 +5,15 @@
 
 /* Builds the blocks of a geometry, whose primitives a source enumerates (surface/source.h), and a BVH4 over them. A
  * task encodes several primitives, or a strip of a large patch. A scene builds its tree over subtrees of these BVHs
- * (stored/tree.h). */
+ * (blocks/tree.h). */
 
 #include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
-#include "../vert/writer.h"
+#include "../exact/writer.h"
 #include "build_results.h"
 #include "irregular_blocks.h"
-#include "../stored/surface_blocks.h"
-#include "../stored/tree.h"
+#include "../blocks/surface_blocks.h"
+#include "../blocks/tree.h"
 #include "../surface/invalid_input.h"
 #include <functional>
 

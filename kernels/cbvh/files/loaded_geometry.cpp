@@ -4,7 +4,7 @@
 #include "loaded_geometry.h"
 #include "../base/kinds.h"
 #include "../base/number_text.h"
-#include "../stored/surface_blocks.h"
+#include "../blocks/surface_blocks.h"
 
 namespace embree {
 const char* const LoadedGeometry::noInputMessage =

@@ -4,7 +4,7 @@
 /* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "mapped_blocks.h"
-#include "../stored/block_bytes.h"
+#include "../blocks/block_bytes.h"
 #include "validate_framed.h"
 #include "../../cvert/file/record.h"
 #include <algorithm>

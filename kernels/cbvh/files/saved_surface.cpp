@@ -8,9 +8,9 @@
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
-#include "../framed/block.h"
-#include "../stored/block_bytes.h"
-#include "../stored/surface_blocks.h"
+#include "../paper/block.h"
+#include "../blocks/block_bytes.h"
+#include "../blocks/surface_blocks.h"
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
 

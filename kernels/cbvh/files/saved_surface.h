@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Converts geometries to what cvert::FileWriter writes, for core/files.h. The inverse of loaded_surface.h. */
+/* Converts geometries to what cvert::FileWriter writes, for operations/files.h. The inverse of loaded_surface.h. */
 
 #include "../base/codec_names.h"
 #include "../../cvert/file/writer.h"

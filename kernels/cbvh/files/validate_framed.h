@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Validates blocks with frames (framed/block.h). */
+/* Validates blocks with frames (paper/block.h). */
 
-#include "../framed/block.h"
+#include "../paper/block.h"
 #include "../base/codec_names.h"
 #include "../../cvert/decoder/validate.h"
-#include "../../cvert/basics/reason.h"
+#include "../../cvert/portable/reason.h"
 
 namespace embree::cbvh { inline namespace CBVH_ISA {
 /*! Returns the first error in a frame. */

@@ -8,7 +8,7 @@
 
 #include "../embree/scene.h"
 #include "../base/codec_names.h"
-#include "../../cvert/basics/world.h"
+#include "../../cvert/portable/world.h"
 #include "dicing_camera.h"
 
 namespace embree {
@@ -18,7 +18,7 @@ inline Double3 normalized(const Double3& v) { return (1.0 / std::sqrt(dot(v, v))
 
 class DicingView {
 public:
-  /*! camera: checked by validate() in core/dicing.cpp. Not used afterwards. */
+  /*! camera: checked by validate() in operations/dicing.cpp. Not used afterwards. */
   explicit DicingView(const DicingCamera& camera)
     : eye{camera.position[0], camera.position[1], camera.position[2]},
       orthographic(camera.orthographic),

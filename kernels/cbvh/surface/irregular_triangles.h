@@ -9,7 +9,7 @@
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
-#include "../../cvert/encoder/mesh_clusters.h"
+#include "../../cvert/encoder/mesh_partition.h"
 #include "../../cvert/encoder/mesh_lattice.h"
 #include "border_lattices.h"
 #include "embree_bytes.h"

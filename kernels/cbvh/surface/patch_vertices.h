@@ -7,7 +7,7 @@
  * (source.h). A task reuses the memory for each patch. */
 
 #include "../base/codec_names.h"
-#include "../../cvert/basics/vertices4.h"
+#include "../../cvert/portable/vertices4.h"
 #include "../embree/scene.h"
 
 namespace embree::isa {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How the patches of a geometry are stored, by its settings (state/settings.h). Grids, meshes and moving geometry are
- * always stored as cVERT. */
+/* How the patches of a geometry are stored, by its settings (settings/settings.h). Grids, meshes and moving geometry
+ * are always stored as cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"

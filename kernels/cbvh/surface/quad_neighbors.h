@@ -21,7 +21,7 @@ struct QuadNeighbors {
   cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< quad, or `none`
   cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
   size_t numInvalid = 0;
-  bool firstCornersDiffer = false; //!< see cvert/format/quad_numbers.h and looksRegular()
+  bool firstCornersDiffer = false; //!< see cvert/format/prim_ids.h and looksRegular()
 
   size_t size() const { return isValid.size(); }
 };
@@ -83,7 +83,7 @@ private:
   bool areCompatible(const Quad& q, const Quad& other) const {
     const unsigned different = q.numbering ^ other.numbering;
     if (q.index == other.index) return false;
-    return out.firstCornersDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
+    return out.firstCornersDiffer ? (different & cbvh::primIDsOfOneTriangle) == 0 : different == 0;
   }
 
   /*! Copies all corners, because later steps read them repeatedly and in the order of neighbors. Returns false if no

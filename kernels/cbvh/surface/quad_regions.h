@@ -14,7 +14,7 @@
 
 #include "../embree/scene.h"
 #include "../base/codec_names.h"
-#include "../../cvert/encoder/numbers_encoder.h"
+#include "../../cvert/encoder/prim_id_encoder.h"
 #include "welded_vertices.h"
 #include <memory>
 
@@ -35,7 +35,7 @@ struct QuadsOfMesh {
   unsigned firstPrimID(size_t quad) const { return unsigned(quad); }  //!< primID of the quad
   unsigned secondPrimID(size_t quad) const { return unsigned(quad); } //!< primID of its second triangle: the same
 
-  /*! Numbering of the quad (cvert/format/quad_numbers.h): 0 for quad meshes. */
+  /*! Numbering of the quad (cvert/format/prim_ids.h): 0 for quad meshes. */
   unsigned numbering(size_t) const { return 0; }
 
   unsigned cornersAndNumbering(size_t quad, unsigned v[4]) const {
@@ -64,7 +64,7 @@ struct PairsOfMesh {
   }
 
   /*! Joins two triangles to a quad, with corners 00, 10, 01 and 11, 01, 10 (digits: u, v). firstCorners: receives
-   *  the corners with which the triangles begin (cvert/format/quad_numbers.h). Returns false unless they share an
+   *  the corners with which the triangles begin (cvert/format/prim_ids.h). Returns false unless they share an
    *  edge in opposite directions. */
   static bool join(const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& firstCorners) {
     for (unsigned i = 0; i < 3; i++)
@@ -96,11 +96,11 @@ struct PairsOfMesh {
       v[0] = a[0];
       v[1] = v[2] = a[1];
       v[3] = a[2];
-      return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
+      return cbvh::primIDsOfTriangles | cbvh::primIDsOfOneTriangle;
     }
     triangle(other, b);
     join(a, b, v, firstCorners);
-    return cbvh::numbersOfTriangles | firstCorners;
+    return cbvh::primIDsOfTriangles | firstCorners;
   }
 
   void corners(size_t pair, unsigned v[4]) const { cornersAndNumbering(pair, v); }

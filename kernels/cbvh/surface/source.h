@@ -6,7 +6,7 @@
 /* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the builder of blocks. A
  * source enumerates the primitives of a geometry: its faces or grids, or regions of a mesh that form grids. A patch is
  * a rectangle of quads of a primitive. A source is a template parameter of SourceBuilder (building/surface_builder.h),
- * a patch of VertWriter::write() (vert/writer.h). framed/writer.h writes only patches of cages. isSource<S>() checks a
+ * a patch of VertWriter::write() (exact/writer.h). paper/writer.h writes only patches of cages. isSource<S>() checks a
  * source at compile time. CageSource and GridSource (building/) are sources; tests/library/sphere_source.h is a short
  * example.
  *
@@ -87,7 +87,7 @@
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
-#include "../../cvert/encoder/numbers_encoder.h"
+#include "../../cvert/encoder/prim_id_encoder.h"
 #include "plan.h"
 #include "shared_border.h"
 #include <functional>

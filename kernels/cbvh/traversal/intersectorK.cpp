@@ -8,13 +8,13 @@
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
 #include "packet_traversal.h"
-#include "../vert/intersectorK.h"
-#include "../vert/mesh_intersectorK.h"
+#include "../exact/intersectorK.h"
+#include "../exact/mesh_intersectorK.h"
 #include "../base/primitive_type.h"
 #if defined(EMBREE_CBVH_NO_PAPER)
 #include "no_framed_raysK.h"
 #else
-#include "../framed/framed_raysK.h"
+#include "../paper/framed_raysK.h"
 #endif
 
 namespace embree::isa {

@@ -8,15 +8,15 @@
 
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
-#include "../vert/intersector1.h"
-#include "../vert/mesh_intersector1.h"
+#include "../exact/intersector1.h"
+#include "../exact/mesh_intersector1.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
-#include "../framed/framed_rays1.h"
+#include "../paper/framed_rays1.h"
 #endif
 
 namespace embree::isa::cbvh {
 #if defined(EMBREE_CBVH_NO_PAPER)
-/*! Replaces framed/framed_rays1.h in libraries without the paper's representations. */
+/*! Replaces paper/framed_rays1.h in libraries without the paper's representations. */
 struct FramedRay {
   __forceinline explicit FramedRay(float) {}
   static __forceinline bool isFramed(size_t) { return false; }

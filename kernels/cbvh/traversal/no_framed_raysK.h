@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Replaces framed/framed_raysK.h in libraries without the paper's representations (EMBREE_CBVH_NO_PAPER). */
+/* Replaces paper/framed_raysK.h in libraries without the paper's representations (EMBREE_CBVH_NO_PAPER). */
 
 #include "../embree/traversal.h"
 

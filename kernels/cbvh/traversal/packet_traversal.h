@@ -5,7 +5,7 @@
 
 /* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. Like
  * single rays, a ray visits only blocks whose bounds it intersects itself: blocks with frames can be hit outside of
- * their bounds (framed/block_bounds.h). */
+ * their bounds (paper/block_bounds.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"

@@ -11,11 +11,11 @@
 #include "../base/block_validity.h"
 #include "../base/primitive_type.h"
 #include "../base/codec_names.h"
-#include "../../cvert/basics/world.h"
+#include "../../cvert/portable/world.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "../embree/scene.h"
-#include "../stored/compressed_tree.h"
-#include "../stored/vertices_at_time.h"
+#include "../blocks/compressed_tree.h"
+#include "../blocks/vertices_at_time.h"
 #include <initializer_list>
 
 namespace embree::isa::cbvh {
@@ -109,7 +109,7 @@ private:
     context->geomID = geomID;
     if (isMesh) return callTriangles(geometry, (const MeshHeader*)block);
     if (!embree::cbvh::VerticesAtTime::isPresent(header, time())) return false;
-    if (hasNumbers(header->info)) return callQuads(geometry, header);
+    if (hasPrimIDs(header->info)) return callQuads(geometry, header);
     context->primID = header->primID;
     return geometry->pointQuery(query, context);
   }

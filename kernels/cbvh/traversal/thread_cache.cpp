@@ -6,9 +6,9 @@
 
 #include "../base/block_validity.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
-#include "../framed/node_cache.h"
+#include "../paper/node_cache.h"
 #endif
-#include "../vert/mesh_cache.h"
+#include "../exact/mesh_cache.h"
 #include <cstdlib>
 #include <new>
 #include <unistd.h>

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. For closest hits it also passes
- * entry distances of blocks with frames, so that results do not depend on their order (framed/nearest_hit.h). */
+ * entry distances of blocks with frames, so that results do not depend on their order (paper/nearest_hit.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"

@@ -5,7 +5,7 @@
 
 /* Writes bit fields into zeroed bytes, in any order: blocks of DGF are filled from both ends. */
 
-#include "../basics/bits.h"
+#include "../portable/bits.h"
 #include <cstddef>
 
 namespace cvert {

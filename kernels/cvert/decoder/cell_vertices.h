@@ -7,7 +7,7 @@
 #ifndef CVERT_CELL_VERTICES_H
 #define CVERT_CELL_VERTICES_H
 
-#include "../basics/int3.h"
+#include "../portable/int3.h"
 #include "step_view.h"
 
 CVERT_BEGIN

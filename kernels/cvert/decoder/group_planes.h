@@ -6,7 +6,7 @@
 #ifndef CVERT_GROUP_PLANES_H
 #define CVERT_GROUP_PLANES_H
 
-#include "../basics/int3.h"
+#include "../portable/int3.h"
 #include "step_view.h"
 
 CVERT_BEGIN

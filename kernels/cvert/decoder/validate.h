@@ -6,7 +6,7 @@
 /* Validates bytes that may be a cVERT block: all that decoders do not check. Vertices, boxes, bounds and primitive
  * numbers may have any value. */
 
-#include "../basics/reason.h"
+#include "../portable/reason.h"
 #include "../format/motion.h"
 
 namespace cvert { inline namespace CVERT_ISA {
@@ -28,7 +28,7 @@ public:
     const VertLayout layout = vertLayout(header.region, header.info);
     if (bytes < layout.margins)
       return Reason::damaged("it has % bytes: header, edges or numbers, and motion need %", bytes, layout.margins);
-    if (const Reason reason = hasNumbers(header.info) ? validateNumbers(header) : validatePatch(header)) return reason;
+    if (const Reason reason = hasPrimIDs(header.info) ? validateNumbers(header) : validatePatch(header)) return reason;
     size_t end;
     if (const Reason reason = validateFirstStep(header, layout, bytes, end)) return reason;
     if (isMoving(header.info))
@@ -47,7 +47,7 @@ private:
                                  vertFormatVersion);
     if (reservedOfCorners(header.corners[4], header.corners[5]) != 0)
       return Reason::unsupported("reserved bits of its corners are set: expected 0");
-    if (hasEdges(header.info) && hasNumbers(header.info))
+    if (hasEdges(header.info) && hasPrimIDs(header.info))
       return Reason::unsupported("it has both edges and numbers: expected at most one of them");
     return Reason();
   }
@@ -171,7 +171,7 @@ private:
 
   static Reason validateNumbers(const VertHeader& header) {
     const uint32_t numbering = header.patchQuads;
-    const bool isTableOfTriangles = patternOfNumbers(numbering) == numbersInTriangleTable;
+    const bool isTableOfTriangles = patternOfPrimIDs(numbering) == primIDsInTriangleTable;
     if (numbering >> 17 || (haveTrianglePairs(numbering) && (isTableOfTriangles || !isTriangleNumbering(numbering) ||
                                                              isSingleTriangleNumbering(numbering))))
       return Reason::unsupported("its numbering, %, is unknown", numbering);
@@ -187,9 +187,9 @@ private:
   /*! end: end of all sections before the table. */
   static Reason validateTable(const VertHeader& header, size_t end, size_t bytes) {
     const uint32_t numbering = header.patchQuads;
-    if (!hasNumbers(header.info)) return Reason();
+    if (!hasPrimIDs(header.info)) return Reason();
     if (haveTrianglePairs(numbering)) {
-      const VertNumbers stored = storedNumbersOf(&header);
+      const VertPrimIDs stored = storedNumbersOf(&header);
       if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
         return Reason::damaged("the numbers of its second triangles begin at %: expected a multiple of 4 from % on, "
                                "followed by 0",
@@ -198,7 +198,7 @@ private:
       if (bytes < end) return Reason::damaged("it has % bytes: the numbers of its second triangles need %", bytes, end);
     }
     if (!haveTable(numbering)) return Reason();
-    const VertNumbers numbers = numbersOf(&header);
+    const VertPrimIDs numbers = numbersOf(&header);
     if (numbers.x < end)
       return Reason::damaged("its table of numbers begins at %: expected % or later", numbers.x, end);
     if (numbers.y > 32u)
@@ -206,7 +206,7 @@ private:
     const uint32_t entries = vertQuadsX(header.region) * vertQuadsY(header.region) * entriesPerQuad(numbering);
     const size_t needed = size_t(numbers.x) + bytesOfNumberTable(entries, numbers.y);
     if (bytes < needed) return Reason::damaged("it has % bytes: its table of numbers needs %", bytes, needed);
-    return patternOfNumbers(numbering) == numbersInTriangleTable ? validateFirstCorners(header) : Reason();
+    return patternOfPrimIDs(numbering) == primIDsInTriangleTable ? validateFirstCorners(header) : Reason();
   }
 
   /*! Requires a table of triangles within the block. */

@@ -6,7 +6,7 @@
 /* Validates bytes that may be a mesh block: counts, sizes and indices, which decoders do not check. Vertices and
  * numbers may have any value. */
 
-#include "../basics/reason.h"
+#include "../portable/reason.h"
 #include "mesh_step_view.h"
 
 namespace cvert { inline namespace CVERT_ISA {

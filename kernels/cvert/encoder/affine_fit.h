@@ -7,7 +7,7 @@
  * step, by least squares (format/mesh_motion.h). Products and sums are not fused, so that all instruction sets encode
  * the same bytes. Positions must be finite. */
 
-#include "../basics/language.h"
+#include "../portable/language.h"
 #include <cmath>
 
 namespace cvert { inline namespace CVERT_ISA {

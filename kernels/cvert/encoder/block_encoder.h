@@ -19,9 +19,9 @@ struct VertStatistics {
 /*! Size of the block, position in its patch, and edges or primitive numbers. */
 struct VertPlacement {
   uint32_t region, patchQuads; //!< packRegion(), packPatchQuads()
-  bool hasEdges = false, hasNumbers = false;
+  bool hasEdges = false, hasPrimIDs = false;
   VertEdges edges = {0, 0};     //!< stored if hasEdges
-  VertNumbers numbers = {0, 0}; //!< stored if hasNumbers
+  VertPrimIDs numbers = {0, 0}; //!< stored if hasPrimIDs
 
   VertPlacement(uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
   VertPlacement(uint32_t region, uint32_t patchQuads, const VertEdges& edges)
@@ -31,13 +31,13 @@ struct VertPlacement {
       edges(edges) {}
 
   /*! Stores the numbering of quads instead of the patch's size. */
-  VertPlacement(uint32_t region, uint32_t numbering, const VertNumbers& numbers)
+  VertPlacement(uint32_t region, uint32_t numbering, const VertPrimIDs& numbers)
     : region(region),
       patchQuads(numbering),
-      hasNumbers(true),
+      hasPrimIDs(true),
       numbers(numbers) {}
 
-  uint32_t info() const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
+  uint32_t info() const { return uint32_t(hasEdges) << 29 | uint32_t(hasPrimIDs) << 30; }
 };
 
 /*! Set `vertices`, then call encode(), for any number of blocks, by one thread at a time. */
@@ -156,7 +156,7 @@ private:
     header.info = info;
     writeVersion(header.corners);
     if (placement.hasEdges) memcpy(&header + 1, &placement.edges, sizeof(placement.edges));
-    if (placement.hasNumbers) memcpy(&header + 1, &placement.numbers, sizeof(placement.numbers));
+    if (placement.hasPrimIDs) memcpy(&header + 1, &placement.numbers, sizeof(placement.numbers));
     return header;
   }
 

@@ -11,7 +11,7 @@
 
 #include "../format/block.h"
 #include "cell_encoder.h"
-#include "../basics/vertices4.h"
+#include "../portable/vertices4.h"
 #include <algorithm>
 
 namespace cvert { inline namespace CVERT_ISA {

@@ -6,8 +6,8 @@
 /* Encodes a cell (format/cell.h). */
 
 #include "../format/cell.h"
-#include "../basics/bits.h"
-#include "../basics/lanes.h"
+#include "../portable/bits.h"
+#include "../portable/lanes.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

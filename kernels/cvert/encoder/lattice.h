@@ -7,9 +7,9 @@
  * lattice contains every coarser one, so a shared vertex on the coarsest lattice of its faces is a point of all of
  * them. Where floats are coarser than the lattice, every float is a point of it. */
 
-#include "../basics/lanes.h"
-#include "../basics/language.h"
-#include "../basics/world.h"
+#include "../portable/lanes.h"
+#include "../portable/language.h"
+#include "../portable/world.h"
 #include <algorithm>
 #include <cmath>
 #include <vector>

@@ -5,7 +5,7 @@
 
 /* Encodes a triangle mesh as mesh blocks: snaps vertices, omits triangles that no ray can hit, and clusters others. */
 
-#include "mesh_clusters.h"
+#include "mesh_partition.h"
 #include "mesh_encoder.h"
 #include "mesh_lattice.h"
 #include <memory>

@@ -9,8 +9,8 @@
  * The spacing on an axis is the largest power of two that divides all vertices, or 2^-126 if all are equal. Ranks
  * (rankOfFloat) replace coordinates longer than maxMeshCoordinateBits, or than maxUnrankedBits if that saves bits. */
 
-#include "../basics/bits.h"
-#include "mesh_clusters.h"
+#include "../portable/bits.h"
+#include "mesh_partition.h"
 #include "mesh_position.h"
 #include "mesh_strips.h"
 #include <algorithm>

@@ -7,7 +7,7 @@
  * snap to a finer lattice or do not move. Exceptions are stored by position, so that all triangles and blocks agree:
  * the surface remains watertight even if vertices are not welded. */
 
-#include "../basics/world.h"
+#include "../portable/world.h"
 #include "lattice.h"
 #include "mesh_position.h"
 #include <cstring>

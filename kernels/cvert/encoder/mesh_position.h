@@ -5,7 +5,7 @@
 
 /* Positions as keys of hash tables, by which mesh encoders find equal vertices. */
 
-#include "../basics/language.h"
+#include "../portable/language.h"
 #include <cstring>
 
 namespace cvert { inline namespace CVERT_ISA {

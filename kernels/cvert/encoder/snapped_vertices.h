@@ -5,7 +5,7 @@
 
 /* Snaps four vertices at a time to a lattice, and detects quads that snapping flips. */
 
-#include "../basics/vertices4.h"
+#include "../portable/vertices4.h"
 #include "lattice.h"
 #include <limits>
 

@@ -7,7 +7,7 @@
  * that was continued can be loaded. */
 
 #include "format.h"
-#include "../basics/reason.h"
+#include "../portable/reason.h"
 #include <string>
 
 namespace cvert {

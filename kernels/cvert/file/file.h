@@ -7,7 +7,7 @@
  * validateVertBlock and validateMeshBlock check blocks. The file may be replaced or removed while it is mapped, but
  * must not be written to or truncated: reading a truncated file ends the process with SIGBUS. */
 
-#include "../basics/reason.h"
+#include "../portable/reason.h"
 #include "format.h"
 #include <functional>
 #include <string>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "record.h"
-#include "../basics/world.h"
+#include "../portable/world.h"
 #include <cmath>
 
 namespace cvert {
@@ -10,7 +10,7 @@ namespace {
 Reason validatePrimitives(const VertHeader* block, uint32_t numPrimitives) {
   if (block->primID >= numPrimitives)
     return Reason::damaged("primitive % is out of range: the geometry has %", block->primID, numPrimitives);
-  if (!hasNumbers(block->info)) return Reason();
+  if (!hasPrimIDs(block->info)) return Reason();
   for (uint32_t y = 0; y < vertQuadsY(block->region); y++)
     for (uint32_t x = 0; x < vertQuadsX(block->region); x++)
       for (bool isSecond : {false, true}) {

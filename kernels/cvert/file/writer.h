@@ -5,7 +5,7 @@
 
 /* Writes a file of compressed surfaces (format.h), which replaces an existing file in one step when complete. */
 
-#include "../basics/reason.h"
+#include "../portable/reason.h"
 #include "format.h"
 #include "unfinished_file.h"
 #include <memory>

@@ -26,10 +26,10 @@
 #ifndef CVERT_VERT_FORMAT_H
 #define CVERT_VERT_FORMAT_H
 
-#include "../basics/bytes.h"
+#include "../portable/bytes.h"
 #include "cell.h"
 #include "limits.h"
-#include "quad_numbers.h"
+#include "prim_ids.h"
 
 CVERT_BEGIN
 
@@ -62,9 +62,9 @@ struct VertHeader {
   float origin[3];     //!< position of coordinates (0,0,0)
   uint32_t bounds;     //!< bounds of the block, 8 bits each: see boundsUnit
   uint32_t surface;    //!< surface number, see limits.h
-  uint32_t primID;     //!< primitive of the patch, or base of the quads' primitive numbers (quad_numbers.h)
+  uint32_t primID;     //!< primitive of the patch, or base of the quads' primitive numbers (prim_ids.h)
   uint32_t region;     //!< size and position in the patch: see packRegion
-  uint32_t patchQuads; //!< quads of the patch: see packPatchQuads; or numbering (quad_numbers.h)
+  uint32_t patchQuads; //!< quads of the patch: see packPatchQuads; or numbering (prim_ids.h)
   uint32_t corners[6]; //!< coordinates of corners 00, 10, 01 and 11: x, y, z of 00 first. 14 of 16 bits each; see
                        //!< cornerBits for the other 2
   uint32_t info;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
@@ -113,7 +113,7 @@ CVERT_FUNCTION uint32_t vertRate(VertEdges edges, int edge) {
 CVERT_FUNCTION uint32_t vertCornerU(VertEdges edges) { return (edges.low >> 12) & 15u; }
 CVERT_FUNCTION uint32_t vertCornerV(VertEdges edges) { return edges.low >> 28; }
 
-/*! Follows the header of a moving block, and VertEdges or VertNumbers if present. */
+/*! Follows the header of a moving block, and VertEdges or VertPrimIDs if present. */
 struct VertMotion {
   float begin, end;  //!< times of the first and last step
   uint32_t numSteps; //!< at least 2
@@ -125,7 +125,7 @@ CVERT_FUNCTION bool isMoving(uint32_t info) { return (info >> 31) != 0u; }
 
 /*! Byte offset of VertMotion. */
 CVERT_FUNCTION uint32_t motionOffset(uint32_t info) {
-  return vertHeaderBytes + (hasEdges(info) || hasNumbers(info) ? vertEdgesBytes : 0u);
+  return vertHeaderBytes + (hasEdges(info) || hasPrimIDs(info) ? vertEdgesBytes : 0u);
 }
 
 /*! Groups along a side of a block with `quads` quads. */
@@ -370,8 +370,8 @@ CVERT_FUNCTION VertEdges edgesOf(CVERT_POINTER(VertHeader) block) {
 }
 
 /*! Numbers as stored after the header; they may refer to VertTrianglePairs. Requires a block with numbers. */
-CVERT_FUNCTION VertNumbers storedNumbersOf(CVERT_POINTER(VertHeader) block) {
-  return CVERT_AT(VertNumbers, bytesAfter(block, vertHeaderBytes));
+CVERT_FUNCTION VertPrimIDs storedNumbersOf(CVERT_POINTER(VertHeader) block) {
+  return CVERT_AT(VertPrimIDs, bytesAfter(block, vertHeaderBytes));
 }
 
 /*! Numbers of the quads, and distance between the numbers of a quad's triangles, 1 if not stored. Requires a block with
@@ -389,7 +389,7 @@ CVERT_FUNCTION VertTrianglePairs trianglePairsOf(CVERT_POINTER(VertHeader) block
   return pairs;
 }
 
-CVERT_FUNCTION VertNumbers numbersOf(CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
+CVERT_FUNCTION VertPrimIDs numbersOf(CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
 
 CVERT_FUNCTION VertMotion motionOf(CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion, bytesAfter(block, motionOffset(CVERT_AT(VertHeader, block).info)));
@@ -399,7 +399,7 @@ CVERT_FUNCTION VertMotion motionOf(CVERT_POINTER(VertHeader) block) {
  *  because hits of a damaged block may lie outside it. */
 CVERT_FUNCTION QuadPrimitive primitiveOfQuad(CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond) {
   VertTrianglePairs pairs = trianglePairsOf(block);
-  VertNumbers numbers = pairs.numbers;
+  VertPrimIDs numbers = pairs.numbers;
   uint32_t numbering = CVERT_AT(VertHeader, block).patchQuads, first = CVERT_AT(VertHeader, block).primID;
   uint32_t region = CVERT_AT(VertHeader, block).region;
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
@@ -411,10 +411,10 @@ CVERT_FUNCTION QuadPrimitive primitiveOfQuad(CVERT_POINTER(VertHeader) block, ui
   if (!haveTable(numbering)) number = patternNumber(numbering, numbers, x, y);
   else {
     uint32_t entry = (y * quadsX + x) * entriesPerQuad(numbering);
-    if (patternOfNumbers(numbering) == numbersInTriangleTable && isSecond) entry++;
+    if (patternOfPrimIDs(numbering) == primIDsInTriangleTable && isSecond) entry++;
     uint32_t read = bitsAt(bytesAfter(block, numbers.x & ~3u), 8u * (numbers.x & 3u) + numbers.y * entry, numbers.y);
     number = numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
-    if (patternOfNumbers(numbering) == numbersInTriangleTable) {
+    if (patternOfPrimIDs(numbering) == primIDsInTriangleTable) {
       uint32_t firstCorner = number & ((1u << firstCornerBits) - 1u);
       primitive.numbering = numbering | packFirstCorners(firstCorner, firstCorner);
       primitive.primID = first + (number >> firstCornerBits);

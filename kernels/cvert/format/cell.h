@@ -27,7 +27,7 @@
 #ifndef CVERT_VERTEX_CELL_H
 #define CVERT_VERTEX_CELL_H
 
-#include "../basics/language.h"
+#include "../portable/language.h"
 
 CVERT_BEGIN
 

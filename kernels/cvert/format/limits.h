@@ -6,7 +6,7 @@
 #ifndef CVERT_LIMITS_H
 #define CVERT_LIMITS_H
 
-#include "../basics/language.h"
+#include "../portable/language.h"
 
 CVERT_BEGIN
 

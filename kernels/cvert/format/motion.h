@@ -157,12 +157,12 @@ inline uint32_t vertStepSize(const VertStep* step, uint32_t region) {
 /*! Size of a valid block in bytes, with all steps and the table of numbers, without padding. */
 inline uint32_t vertBytes(const VertHeader* block) {
   const uint32_t numbering = block->patchQuads;
-  if (hasNumbers(block->info) && haveTable(numbering)) {
-    const VertNumbers numbers = numbersOf(block);
+  if (hasPrimIDs(block->info) && haveTable(numbering)) {
+    const VertPrimIDs numbers = numbersOf(block);
     const uint32_t entries = vertQuadsX(block->region) * vertQuadsY(block->region) * entriesPerQuad(numbering);
     return numbers.x + bytesOfNumberTable(entries, numbers.y);
   }
-  if (hasNumbers(block->info) && haveTrianglePairs(numbering))
+  if (hasPrimIDs(block->info) && haveTrianglePairs(numbering))
     return storedNumbersOf(block).x + uint32_t(sizeof(VertTrianglePairs));
   if (!isMoving(block->info)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block, motionOf(block).numSteps - 1);

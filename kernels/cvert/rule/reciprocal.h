@@ -6,7 +6,7 @@
 #ifndef CVERT_RECIPROCAL_H
 #define CVERT_RECIPROCAL_H
 
-#include "../basics/language.h"
+#include "../portable/language.h"
 
 CVERT_BEGIN
 

@@ -19,7 +19,7 @@
  *      |      \   |
  *     00-bottom--10
  *
- * See basics/language.h on Real and Wide.
+ * See portable/language.h on Real and Wide.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
@@ -506,7 +506,7 @@ CVERT_INLINE SurfacePoint pointOfPatch(CVERT_POINTER(VertHeader) block, uint32_t
 
 CVERT_INLINE SurfacePoint surfacePoint(CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t index,
                                        CVERT_AS_FLOAT(QuadPosition) at) {
-  if (hasNumbers(CVERT_AT(VertHeader, block).info)) return pointOfNumberedQuad(block, lane, index, at);
+  if (hasPrimIDs(CVERT_AT(VertHeader, block).info)) return pointOfNumberedQuad(block, lane, index, at);
   return pointOfPatch(block, lane, index, at);
 }
 

@@ -7,7 +7,7 @@
  * Other blocks belong to one scene. */
 
 #include "memory.h"
-#include "kernels/cbvh/flat/flat_scene.h"
+#include "kernels/cbvh/backend/flat_scene.h"
 
 namespace embree::vulkan {
 

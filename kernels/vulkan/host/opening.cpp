@@ -3,7 +3,7 @@
 
 #include "opening.h"
 
-#include "kernels/cbvh/core/lower_case.h"
+#include "kernels/cbvh/operations/lower_case.h"
 
 #include <dlfcn.h>
 

@@ -10,7 +10,7 @@
 #include "structs.h"
 #include "trace.h"
 
-#include "kernels/cbvh/core/errors.h"
+#include "kernels/cbvh/operations/errors.h"
 
 #include <algorithm>
 #include <cstring>
@@ -20,7 +20,7 @@
 using namespace embree::vulkan;
 namespace core = embree::core;
 
-/* For core/struct_size.cpp, which this library compiles without core/errors.cpp. */
+/* For operations/struct_size.cpp, which this library compiles without operations/errors.cpp. */
 void embree::core::throwInvalidArgument(const std::string& text) {
   throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, text);
 }

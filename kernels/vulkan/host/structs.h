@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Structs of rtcore_vulkan.h that may grow, and the last member of each in its first version (core/struct_size.h). This
- * library compiles core/struct_size.cpp, because libembree3 does not export it. */
+/* Structs of rtcore_vulkan.h that may grow, and the last member of each in its first version
+ * (operations/struct_size.h). This library compiles operations/struct_size.cpp, because libembree3 does not export it.
+ */
 
-#include "kernels/cbvh/core/struct_size.h"
+#include "kernels/cbvh/operations/struct_size.h"
 
 #include <embree3/rtcore_vulkan.h>
 

@@ -6,7 +6,7 @@
 /* A scene's tree: libembree3's trees over blocks, and trees over triangles and instances by rtcBuildBVH. */
 
 #include "error.h"
-#include "kernels/cbvh/flat/flat_scene.h"
+#include "kernels/cbvh/backend/flat_scene.h"
 
 #include <array>
 #include <cstdint>

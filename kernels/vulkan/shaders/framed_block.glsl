@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF (kernels/cbvh/framed), whose boxes are in a local frame.
+/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF (kernels/cbvh/paper), whose boxes are in a local frame.
  *
  * Traversal keeps two masks of 4 bits per level: pending children, and those that the ray passes over or under. Going
  * up, it decodes boxes again along the path from the root, which is faster than a stack of boxes.
@@ -13,9 +13,9 @@
 #define CBVH_FRAMED_BLOCK_GLSL
 
 #include "triangle.glsl"
-#include "../../cbvh/framed/tree.h"
-#include "../../cbvh/framed/leaf/crossing.h"
-#include "../../cbvh/framed/normal.h"
+#include "../../cbvh/paper/tree.h"
+#include "../../cbvh/paper/leaf/crossing.h"
+#include "../../cbvh/paper/normal.h"
 
 /* The ray in the block's frame, in which it is a straight segment. */
 struct CbvhLocalRay {
@@ -137,7 +137,7 @@ struct CbvhLeafHit {
   uint from; // side from which the ray comes, see leaf/hit_rule.h
 };
 
-/* Stores the hit and returns true if it is nearer than the stored one by framed/nearest_hit.h, without its order of
+/* Stores the hit and returns true if it is nearer than the stored one by paper/nearest_hit.h, without its order of
  * blocks. framed: comparedT and hitT of that rule for the stored hit. numLeaves: per side. */
 bool cbvhReport(BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
                 CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed) {

@@ -8,7 +8,7 @@
 
 #extension GL_EXT_control_flow_attributes : require
 
-#include "../../cvert/basics/bytes.h"
+#include "../../cvert/portable/bytes.h"
 #include "../scene_layout.h"
 
 /* Four children, one per component. */

@@ -10,7 +10,7 @@
 #define CBVH_RAY_GLSL
 
 #include "memory.glsl"
-#include "../../cbvh/framed/local_ray.h"
+#include "../../cbvh/paper/local_ray.h"
 
 /* A ray, as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. tnear < 0 counts as 0.
  * Rays with tnear > tfar and rays whose origin or direction is not finite hit nothing. A ray hits geometries whose mask

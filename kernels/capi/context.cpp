@@ -1,0 +1,160 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "context.h"
+
+#include "cbvh/operations/device.h"
+#include "cbvh/operations/device_string.h"
+
+#include <embree3/rtcore_compression.h>
+
+#include <cstdio>
+#include <utility>
+
+using namespace embree::capi;
+
+namespace {
+
+thread_local std::string errorText;                // text of cbvhGetErrorText
+thread_local Failure pendingError = {CBVH_OK, ""}; // error of Embree that no function has returned yet
+thread_local bool collectsErrors = false;          // this thread is in a function that returns such errors
+
+CbvhError codeOf(RTCError code) {
+  switch (code) {
+  case RTC_ERROR_NONE: return CBVH_OK;
+  case RTC_ERROR_INVALID_ARGUMENT: return CBVH_ERROR_INVALID_ARGUMENT;
+  case RTC_ERROR_INVALID_OPERATION: return CBVH_ERROR_INVALID_OPERATION;
+  case RTC_ERROR_OUT_OF_MEMORY: return CBVH_ERROR_OUT_OF_MEMORY;
+  case RTC_ERROR_UNSUPPORTED_CPU: return CBVH_ERROR_UNSUPPORTED_CPU;
+  case RTC_ERROR_CANCELLED: return CBVH_ERROR_CANCELLED;
+  default: return CBVH_ERROR_UNKNOWN;
+  }
+}
+
+/* Error function of the device. Stores the error for the API function that this thread is in. Functions for rays return
+ * no errors: the application is notified at once. */
+void handleEmbreeError(void* context, RTCError code, const char* text) {
+  Failure failure = {codeOf(code), ""};
+  try {
+    if (text) failure.text = text;
+  } catch (const std::bad_alloc&) {} // without the text: exceptions must not leave functions of C
+  if (collectsErrors) pendingError = std::move(failure);
+  else ((const CbvhContextTy*)context)->report(failure);
+}
+
+/* Must be called in a catch block. */
+Failure exceptionAsFailure() {
+  try {
+    throw;
+  } catch (Failure& failure) { return std::move(failure); } catch (...) {
+    embree::core::CaughtError error = embree::core::caughtError();
+    return {codeOf(error.code), std::move(error.text)};
+  }
+}
+
+RTCDevice newDevice(const char* settings) {
+  try {
+    return (RTCDevice)embree::core::newDevice(settings);
+  } catch (...) {
+    const Failure failure = exceptionAsFailure();
+    throw Failure{failure.code, std::string("cannot create a context with ") +
+                                    (settings ? std::string("the settings '") + settings + "'" : "default settings") +
+                                    ": " + failure.text};
+  }
+}
+
+} // namespace
+
+CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr)
+  : device(newDevice(settings)),
+    function(function),
+    userPtr(userPtr) {
+  rtcSetDeviceErrorFunction(device, handleEmbreeError, this);
+}
+
+CbvhContextTy::~CbvhContextTy() {
+  rtcSetDeviceErrorFunction(device, nullptr, nullptr);
+  rtcReleaseDevice(device);
+}
+
+Failure CbvhContextTy::takeError() const {
+  rtcGetDeviceError(device); // the call also clears the error
+  return std::exchange(pendingError, Failure{CBVH_OK, ""});
+}
+
+void CbvhContextTy::check() const {
+  const Failure failure = takeError();
+  if (failure) throw failure;
+}
+
+CbvhError CbvhContextTy::report(const Failure& failure) const { return callErrorFunction(failure, function, userPtr); }
+
+Failure embree::capi::caughtFailure() {
+  Failure failure = exceptionAsFailure();
+  try {
+    if (pendingError && pendingError.text != failure.text) failure.text += ": " + pendingError.text;
+  } catch (const std::bad_alloc&) {} // without the reason
+  return failure;
+}
+
+ErrorScope::ErrorScope(bool collects)
+  : outer(std::exchange(pendingError, Failure{CBVH_OK, ""})),
+    outerCollects(collectsErrors) {
+  collectsErrors = collects;
+}
+
+ErrorScope::~ErrorScope() {
+  pendingError = std::move(outer); // a copy would allocate, and could throw
+  collectsErrors = outerCollects;
+}
+
+/* Keeps no text if there is no memory for it: exceptions must not leave functions of C. */
+static void setErrorText(const char* text) {
+  try {
+    errorText = text;
+  } catch (const std::bad_alloc&) { errorText.clear(); }
+}
+
+CbvhError embree::capi::callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr) {
+  setErrorText(failure.text.c_str());
+  if (!function) return failure.code;
+  function(userPtr, failure.code, failure.text.c_str());
+  setErrorText(failure.text.c_str()); // an error that the function caused must not replace this one
+  return failure.code;
+}
+
+void embree::capi::checkFlags(unsigned int flags, unsigned int known, const char* of) {
+  const unsigned int unknown = flags & ~known;
+  if (!unknown) return;
+  char text[96];
+  std::snprintf(text, sizeof(text), "unknown flags 0x%x of a %s: expected bits of 0x%x", unknown, of, known);
+  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text};
+}
+
+CbvhError embree::capi::rejectArgument(const char* text) {
+  setErrorText(text);
+  return CBVH_ERROR_INVALID_ARGUMENT;
+}
+
+const char* cbvhGetErrorText() { return errorText.c_str(); }
+unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
+
+CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context) {
+  if (!context) return rejectArgument("context is NULL");
+  Failure failure;
+  try {
+    const std::string wrong = embree::findDeviceStringError(settings);
+    if (!wrong.empty())
+      throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
+    *context = new CbvhContextTy(settings, function, userPtr);
+    return CBVH_OK;
+  } catch (...) { failure = caughtFailure(); }
+  return callErrorFunction(failure, function, userPtr);
+}
+
+void cbvhRetainContext(CbvhContext context) {
+  if (context) context->retain();
+}
+void cbvhReleaseContext(CbvhContext context) {
+  if (context) context->release();
+}

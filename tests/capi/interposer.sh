@@ -1,0 +1,166 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Tests the interposer on Debian 13: runs Debian's programs of Embree 4 and OSPRay with and without it. Their pictures
+# must match except for the rounding to the lattice. Prints a table of differing pixels and peak memory.
+#
+#   interposer.sh BUILD-DIRECTORY [DIRECTORY-FOR-THE-ROOT]
+#
+# With a folder for the root file system, the script has the requirements of debian13.sh, and takes two and a half
+# minutes, or one if the root file system already exists. Without the folder, the script tests the interposer of the
+# build on this machine. It then exits with 77 if the programs are missing, and leaves OSPRay out if libospray-dev is
+# missing.
+set -eu
+build=$(cd "$1" && pwd) roots=${2:-}
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+. "$here/root13.sh"
+
+# $work is the folder of all files, $there the same folder as seen by the programs.
+if [ -n "$roots" ]; then
+  install_in_root g++ libembree-dev embree-tools libospray-dev time
+  system=$root there=/root/interposer
+  work=$root$there
+  rm -rf "$work"
+  inside() { chroot "$root" sh -c "cd $there && $*"; }
+else
+  for program in embree_displacement_geometry /usr/bin/time; do
+    command -v "$program" > /dev/null ||
+      {
+        echo "skipped: no $program, see embree-tools and time in scripts/packages"
+        exit 77
+      }
+  done
+  unset LD_LIBRARY_PATH EMBREE_CBVH
+  work=$(mktemp -d)
+  trap 'rm -rf "$work"' EXIT
+  system='' there=$work
+  inside() { (cd "$work" && sh -c "$*"); }
+fi
+mkdir -p "$work/include" "$work/tests/interposer"
+cp -rL "$build/include/cbvh" "$work/include/"
+cp "$build/kernels/capi/libembree_cbvh.so.0" "$here"/../../kernels/interposer/*.cpp \
+  "$here"/../../kernels/interposer/*.h "$here"/../../kernels/cbvh/operations/*.h \
+  "$here"/../../kernels/cbvh/operations/device_string.cpp "$here"/../../kernels/cbvh/base/environment.h "$work/"
+cp "$here/host.h" "$work/tests/"
+cp "$here"/interposer/*.c* "$work/tests/interposer/"
+flags="-O2 -Wall -Wextra -Werror -Iinclude"
+
+if [ -n "$roots" ]; then
+  # The same command as in its CMakeLists.txt, which requires Embree 4 and therefore does nothing on Debian 12. $ORIGIN
+  # must not be expanded by the shell in the other Debian.
+  links="./libembree_cbvh.so.0 '-Wl,-rpath,\$ORIGIN' -Wl,--no-undefined"
+  shared="$flags -fPIC -shared -fvisibility=hidden -DRTC_EXPORT_API"
+  inside "g++ -std=c++17 $shared *.cpp -o libembree_cbvh_interposer.so $links" ||
+    fail "the interposer does not compile"
+  preload=LD_PRELOAD=$there/libembree_cbvh_interposer.so
+else
+  preload=LD_PRELOAD=$build/kernels/interposer/libembree_cbvh_interposer.so
+fi
+inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4" &&
+  inside "g++ -std=c++17 $flags tests/interposer/points.cpp -o points -lembree4" &&
+  inside "g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ" &&
+  inside "g++ -std=c++17 $flags -fPIC -shared tests/interposer/early.cpp -o libearly.so -lembree4" &&
+  inside "echo 'int main() {}' | g++ -x c++ - -o early -L. -Wl,--no-as-needed -learly -Wl,-rpath,$there" ||
+  fail "the programs do not compile"
+ospray=
+if [ -e "$system/usr/include/ospray/ospray.h" ]; then
+  ospray=yes
+  inside "g++ $flags -x c tests/interposer/ospray.c -o picture -lospray" ||
+    fail "the program for OSPRay does not compile"
+fi
+
+# --- calls: hits stored without the interposer must match those with it ------------------------
+inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits differ"
+inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" ||
+  {
+    tail "$work/meshes.log"
+    fail "hits of grids, quads and triangles differ"
+  }
+[ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not all of grids, quads and triangles are compressed"
+grep -q ': 726 quads' "$work/meshes.log" || fail "a moving cube is not compressed after a rejected time range"
+inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits differ if it is turned off"
+inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /dev/null" ||
+  fail "hits differ with an unknown setting"
+[ "$(grep -c '"nonsense"' "$work/nonsense.log")" -eq 1 ] ||
+  {
+    cat "$work/nonsense.log"
+    fail "the unknown setting must be reported exactly once"
+  }
+for settings in leaf,frame_level=2,verbose cLEAF,verbose cVERT,verbose 0,1,verbose none,vert,verbose verbose=1; do
+  inside "EMBREE_CBVH=$settings $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
+    fail "settings without effect turn compression off: $settings"
+done
+
+# --- early: a library calls Embree before the interposer's static initializers run -------------
+inside "./early" || fail "the program with an early library fails without the interposer"
+inside "$preload ./early" || fail "the program with an early library fails"
+
+# --- points: calls of point queries must match without the interposer and with it --------------
+inside "./points" || fail "Embree's calls of point queries differ from those that the test expects"
+inside "$preload EMBREE_CBVH=verbose ./points > points.log 2>&1" ||
+  {
+    cat "$work/points.log"
+    fail "calls of point queries differ"
+  }
+grep -q 'compression: 1 subdivision surface' "$work/points.log" || fail "no surface of the point queries is compressed"
+inside "$preload EMBREE_CBVH=triangles=1 ./points without-function 2>&1" | grep -q 'point queries.*triangles' ||
+  fail "a query that calls only functions of geometries is not reported"
+
+# --- pictures ------------------------------------------------------------------------------------
+# row NAME OPTIONS PROGRAM: renders a picture both ways and prints a row of the table. PROGRAM contains PICTURE in
+# place of the file name.
+row() {
+  name=$1 options=$2 program=$3
+  for way in without with; do
+    [ $way = with ] && environment="$preload EMBREE_CBVH=$options" || environment=
+    command=$(echo "$program" | sed "s/PICTURE/$way.ppm/")
+    inside "env $environment /usr/bin/time -o $way.time -f '%M %e' $command > $way.log 2>&1" ||
+      {
+        cat "$work/$way.log"
+        fail "$name fails $way the interposer"
+      }
+    awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time" ||
+      {
+        cat "$work/$way.time"
+        fail "$name, $way the interposer: time does not report memory and seconds"
+      }
+  done
+  if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then note="left to Embree"; else note=; fi
+  differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name differs: $differing"
+  awk -v name="$name" -v differing="$differing" -v note="$note" '{ peak[NR] = $1/1024; seconds[NR] = $2 }
+    END {
+      printf "| %-36s | %22s | %7.1f | %7.1f | %5.2f | %5.2f | %s\n",
+        name, differing, peak[1], peak[2], seconds[1], seconds[2], note
+    }' "$work/without.time" "$work/with.time"
+}
+
+echo "| picture                              | pixels that differ, >8 | MiB     | with    | s     | with  |"
+echo "|:-------------------------------------|-----------------------:|--------:|--------:|------:|------:|"
+if [ -n "$ospray" ]; then
+  for renderer in ao scivis pathtracer; do row "OSPRay, $renderer" verbose "./picture $renderer 200 PICTURE"; done
+  row "OSPRay, colors of vertices" verbose "./picture ao 200 PICTURE colors"
+  row "OSPRay, colors of faces" verbose "./picture pathtracer 200 PICTURE faces"
+  row "OSPRay, texture" verbose "./picture pathtracer 200 PICTURE texcoords"
+  row "OSPRay, next to user geometry" verbose "./picture scivis 200 PICTURE boxes"
+  row "OSPRay, instances" verbose "./picture scivis 200 PICTURE instances"
+  row "OSPRay, 24 million quads" verbose "./picture scivis 2000 PICTURE"
+  row "OSPRay, 24 million quads, texture" verbose "./picture pathtracer 2000 PICTURE texcoords"
+  grep -q '24000000 quads' "$work/with.log" || fail "OSPRay's cube is not compressed"
+else
+  echo "OSPRay is left out: no libospray-dev"
+fi
+for tutorial in displacement_geometry displacement_geometry_ispc subdivision_geometry subdivision_geometry_ispc; do
+  row "$tutorial" verbose "embree_$tutorial --size 512 512 -o PICTURE"
+  grep -q 'compression: 1 subdivision surface' "$work/with.log" || fail "$tutorial is not compressed"
+done
+row "grid_geometry, grids=1" verbose,grids=1 "embree_grid_geometry --size 512 512 -o PICTURE"
+for tutorial in interpolation motion_blur_geometry dynamic_scene user_geometry lazy_geometry intersection_filter \
+  instanced_geometry; do
+  row "$tutorial, without such geometry" verbose "embree_$tutorial --size 512 512 -o PICTURE"
+done
+models=$(cd "$system/usr/share/doc/embree4/models" && ls subdiv?.ecs subdiv_*.ecs grid4x4*.ecs | grep -v subdiv5)
+for model in $models; do
+  row "viewer, $model" verbose,grids=1 "embree_viewer -c /usr/share/doc/embree4/models/$model --size 512 512 -o PICTURE"
+done
+echo "interposer: passed"
