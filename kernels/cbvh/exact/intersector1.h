@@ -4,12 +4,11 @@
 #pragma once
 
 /* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups (front
- * to back for closest hits), then triangles. traversal/leaf_intersectors1.h calls it. Packets also use
+ * to back for closest hits), then triangles. moving_intersector1.h has functions for moving ones. Packets also use
  * intersectGroupBoxes(), popNearest() and popAny(). */
 
 #include "boxes.h"
-#include "hits1.h"
-#include "moving_block.h"
+#include "cached_mesh.h"
 
 namespace embree::isa::cbvh {
 /*! A single ray as the Target of VertHitReporter. */
@@ -148,12 +147,10 @@ __noinline bool intersectVert(RayType& ray, IntersectContext* context, VertRay& 
   return VertIntersector1<RayType, CachedVertBlock>::intersect(ray, context, vertRay, block);
 }
 
+/*! block: a MeshHeader. */
 template<typename RayType>
-__noinline bool intersectMovingVert(RayType& ray, IntersectContext* context, VertRay& vertRay,
-                                    const VertHeader* block) {
-  const VertMotion motion = motionOf(block);
-  if (unlikely(!isPresent(motion, ray.time()))) return false;
-  return VertIntersector1<RayType, MovingVertBlock>::intersect(ray, context, vertRay, block,
-                                                               timeInMotion(motion, ray.time()));
+__noinline bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
+  return VertIntersector1<RayType, CachedMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block);
 }
+
 } // namespace embree::isa::cbvh

@@ -6,7 +6,7 @@
 /* Intersector of mesh blocks at rest for packets: one ray after the other, with boxes, then triangles, in lanes. */
 
 #include "hitsK.h"
-#include "mesh_intersector1.h"
+#include "intersector1.h"
 
 namespace embree::isa::cbvh {
 template<int K, typename Rays>
