@@ -87,6 +87,25 @@ __forceinline uint32_t popAny(uint32_t& groups) {
   return g;
 }
 
+/*! Intersects a ray with groups of a block, the nearest ones first for closest hits. Target, Cached: see
+ *  VertHitReporter. groups, enter: see intersectGroupBoxes. Returns true if a hit was accepted. */
+template<bool isAnyHit, typename Target, typename Cached>
+__forceinline bool intersectGroups(const Target& target, const VertRay& vertRay, NearestVertHit& nearest,
+                                   const VertHeader* block, const Cached& cached, uint32_t groups,
+                                   const float enter[16]) {
+  VertHitReporter<Target, Cached> hits(target, vertRay, nearest, block, cached);
+  bool found = false;
+  while (groups) {
+    const uint32_t g = isAnyHit ? popAny(groups) : popNearest(groups, enter);
+    if (enter[g] > target.tfar()) continue;
+    const auto triangles = groupTrianglesHitByLine(vertRay, cached, g);
+    if (triangles.mask == 0 || !hits.report(g, triangles)) continue;
+    if (isAnyHit) return true;
+    found = true;
+  }
+  return found;
+}
+
 /*! Cached: CachedVertBlock, MovingVertBlock, CachedMeshBlock or MovingMeshBlock. */
 template<typename RayType, typename Cached>
 class VertIntersector1 {
@@ -116,19 +135,9 @@ private:
       if (!cached.isValid() || !cached.mayIntersect(vertRay, ray.tnear(), ray.tfar)) return false;
       boxes = &cached.boxes();
     }
-    uint32_t groups = intersectGroupBoxes(vertRay, ray.tnear(), ray.tfar, *boxes, enter);
-    VertHitReporter<VertTarget1<RayType>, Cached> hits(VertTarget1<RayType>{ray, context}, vertRay, vertRay.nearest,
-                                                       block, cached);
-    bool found = false;
-    while (groups) {
-      const uint32_t g = IsAnyHit<RayType>::value ? popAny(groups) : popNearest(groups, enter);
-      if (enter[g] > ray.tfar) continue;
-      const auto triangles = groupTrianglesHitByLine(vertRay, cached, g);
-      if (triangles.mask == 0 || !hits.report(g, triangles)) continue;
-      if (IsAnyHit<RayType>::value) return true;
-      found = true;
-    }
-    return found;
+    const uint32_t groups = intersectGroupBoxes(vertRay, ray.tnear(), ray.tfar, *boxes, enter);
+    return intersectGroups<IsAnyHit<RayType>::value>(VertTarget1<RayType>{ray, context}, vertRay, vertRay.nearest,
+                                                     block, cached, groups, enter);
   }
 
   RayType& ray;
