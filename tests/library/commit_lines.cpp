@@ -376,6 +376,32 @@ TEST(CoarseLattice, IsReportedOnce) {
   EXPECT_NE(lineWith(reported("cbvh_max_error=0.05,verbose=1", false), "max_error"), "");
 }
 
+// Integers remain integers with an error of 1, so that nothing is lost.
+TEST(CoarseLattice, IsNotReportedIfNoVertexMoves) {
+  Random random(3);
+  DicedMesh mesh = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random);
+  for (Vec& p : mesh.vertices) {
+    for (float& x : p) x = std::round(32 * x);
+    p[2] = 0;
+  }
+  const auto reported = [&](const DicedMesh& stored) {
+    testing::internal::CaptureStderr();
+    {
+      const Device device("cbvh_max_error=1,verbose=1");
+      const MeshScene scene(device, stored);
+      EXPECT_EQ(statisticsOf(scene).maxVertexSpacing, 1.0f);
+      EXPECT_EQ(statisticsOf(scene).maxVertexDeviation, 0.0f);
+    }
+    return lineWith(testing::internal::GetCapturedStderr(), "median edge");
+  };
+  const DicedMesh irregular = irregularTriangles(mesh, random);
+  EXPECT_EQ(reported(mesh), "");
+  EXPECT_EQ(reported(irregular), "");
+  DicedMesh moved = mesh;
+  for (Vec& p : moved.vertices) p[2] = float(random.uniform(0, 0.5));
+  EXPECT_NE(reported(moved), "") << "heights move";
+}
+
 // Mesh blocks have a finer lattice if the requested one would flip most triangles.
 TEST(CoarseLattice, IsTheOneOfTheMeshBlocks) {
   Random random(2);
