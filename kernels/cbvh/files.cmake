@@ -42,11 +42,10 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/surface/triangle_pairs.cpp
   cbvh/surface/welded_vertices.cpp
   cbvh/exact/tables.cpp
-  cbvh/exact/intersectors1.cpp
-  cbvh/exact/moving_intersectors1.cpp
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp
   cbvh/traversal/intersectorK.cpp
+  cbvh/traversal/moving_intersector1.cpp
   cbvh/traversal/point_query.cpp)
 
 if(NOT EMBREE_CBVH_NO_PAPER)
@@ -56,7 +55,7 @@ endif()
 # Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp
-    cbvh/exact/intersectors1.cpp cbvh/exact/moving_intersectors1.cpp)
+    cbvh/traversal/moving_intersector1.cpp)
   if(NOT EMBREE_CBVH_NO_PAPER)
     list(APPEND ${target} cbvh/paper/rays.cpp)
   endif()

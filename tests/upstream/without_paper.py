@@ -30,25 +30,22 @@ SOURCES = (
 # In paper/: headers that identify blocks with frames in files, and the entry of traversal.
 LAYOUT = {"block.h", "morton.h", "interface.h"}
 ENTRIES = {"block.h", "interface.h", "node_cache.h", "writer.h"}
-RAY = ("traversal/intersector1.cpp", "exact/intersectors1.cpp")  # a ray through cVERT and mesh blocks at rest
-MOTION = "exact/moving_intersectors1.cpp"
-MOST_FILES_OF_A_RAY = 50  # with both sources
+RAY = "traversal/intersector1.cpp"  # a ray through cVERT and mesh blocks at rest
+MOTION = "traversal/moving_intersector1.cpp"
+MOST_FILES_OF_A_RAY = 50
 MOST_FILES_OF_MOTION = 9  # in addition
 
 
-def files_of(commands, sources, failures, *options):
-    """Our files that sources depend on, and the sources."""
-    ours = set()
-    for source in sources:
-        entry = next(entry for entry in commands if entry["file"].endswith("/kernels/cbvh/" + source))
-        run = syntax_check(entry, "-H", *options)
-        if run.returncode != 0:
-            errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
-            failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))
-        paths = map(os.path.normpath, re.findall(r"^\.+ (\S+)$", run.stderr, re.MULTILINE))
-        matches = (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths)
-        ours |= {"cbvh/" + source} | {match.group(1) for match in matches if match}
-    return ours
+def files_of(commands, source, failures, *options):
+    """A source and our files that it depends on."""
+    entry = next(entry for entry in commands if entry["file"].endswith("/kernels/cbvh/" + source))
+    run = syntax_check(entry, "-H", *options)
+    if run.returncode != 0:
+        errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
+        failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))
+    paths = map(os.path.normpath, re.findall(r"^\.+ (\S+)$", run.stderr, re.MULTILINE))
+    matches = (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths)
+    return {"cbvh/" + source} | {match.group(1) for match in matches if match}
 
 
 def framed(files):
@@ -57,7 +54,7 @@ def framed(files):
 
 def check_rays(commands, failures, *options):
     ray = files_of(commands, RAY, failures, *options)
-    motion = files_of(commands, [MOTION], failures, *options) - ray
+    motion = files_of(commands, MOTION, failures, *options) - ray
     for of, files, most in (("rays", ray, MOST_FILES_OF_A_RAY), ("motion", motion, MOST_FILES_OF_MOTION)):
         print(f"{of} {' '.join(options)}: {len(files)} files of ours")
         if len(files) > most or framed(files):
@@ -86,7 +83,7 @@ def main():
     check_rays(commands, failures)
     check_rays(commands, failures, "-DEMBREE_CBVH_NO_PAPER")
     for source in SOURCES:
-        files = files_of(commands, [source], failures, "-DEMBREE_CBVH_NO_PAPER")
+        files = files_of(commands, source, failures, "-DEMBREE_CBVH_NO_PAPER")
         if framed(files):
             failures.append(f"{source} includes {', '.join(framed(files))}")
     print("\n".join(failures))

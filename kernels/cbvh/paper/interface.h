@@ -41,6 +41,8 @@ struct FramedRaysK {
 
 /*! A ray, for all blocks with frames that it visits. The first one sets its state. */
 class FramedRay {
+  typedef StackItemT<BVH4::NodeRef> Entry;
+
 public:
   /*! tfar: before any hit. isFiltered: filter functions must see hits in the order of distance. */
   __forceinline FramedRay(float tfar, bool isFiltered) : tfar(tfar), isFiltered(isFiltered), hasState(false) {}
@@ -48,21 +50,37 @@ public:
   /*! Finds the closest hit in a leaf. entryT: distance to the entry into its bounds. stack, top: of the traversal. If
    *  the ray is filtered and a stack entry is nearer, exchanges them instead: Embree sorts only the children of one
    *  node. Returns the new top of the stack. A damaged block has no hits. */
-  StackItemT<BVH4::NodeRef>* intersect(RayHit& ray, IntersectContext* context, BVH4::NodeRef leaf, float entryT,
-                                       StackItemT<BVH4::NodeRef>* stack, StackItemT<BVH4::NodeRef>* top);
+  __forceinline Entry* intersect(RayHit& ray, IntersectContext* context, BVH4::NodeRef leaf, float entryT, Entry* stack,
+                                 Entry* top) {
+    if (unlikely(isFiltered))
+      if (Entry* const deferred = deferToNearer(leaf, entryT, stack, top)) return deferred;
+    this->entryT = entryT;
+    size_t type;
+    intersectBlock(ray, context, leaf.leaf(type));
+    return top;
+  }
 
   /*! Returns true if a hit was accepted. */
-  bool occluded(Ray& ray, IntersectContext* context, const void* block);
+  __forceinline bool occluded(Ray& ray, IntersectContext* context, const void* block) {
+    return intersectBlock(ray, context, block);
+  }
 
   /*! Required after the traversal for closest hits: returns the ray's final tfar, see NearestHit. */
   __forceinline float finalTfar(float current) const { return likely(!hasState) ? current : nearestTfar(current); }
 
 private:
   float nearestTfar(float current) const;
+  bool intersectBlock(RayHit& ray, IntersectContext* context, const void* block);
+  bool intersectBlock(Ray& ray, IntersectContext* context, const void* block);
   template<typename RayType>
-  bool intersectBlock(RayType& ray, IntersectContext* context, const void* block, float entryT);
+  bool intersectByKind(RayType& ray, IntersectContext* context, const void* block);
+  void begin(const Ray& ray);
+
+  /*! Returns null, or the new top of the stack. */
+  static Entry* deferToNearer(BVH4::NodeRef leaf, float entryT, Entry* stack, Entry* top);
 
   const float tfar;
+  float entryT = neg_inf;
   const bool isFiltered;
   bool hasState;
   alignas(16) char state[96]; //!< RayState

@@ -10,13 +10,12 @@
 #include <new>
 
 namespace embree::isa::cbvh {
-/*! If a stack entry is nearer than the leaf, pushes the nearest one, stores the leaf in its place, and returns
- *  true. Leaves are then visited in order of distance. */
-static bool deferToNearer(BVH4::NodeRef leaf, float entryT, StackItemT<BVH4::NodeRef>* stack,
-                          StackItemT<BVH4::NodeRef>*& top) {
-  StackItemT<BVH4::NodeRef>* nearest = nullptr;
+/*! If a stack entry is nearer than the leaf, pushes the nearest one and stores the leaf in its place. Leaves are then
+ *  visited in order of distance. */
+FramedRay::Entry* FramedRay::deferToNearer(BVH4::NodeRef leaf, float entryT, Entry* stack, Entry* top) {
+  Entry* nearest = nullptr;
   float least = entryT;
-  for (StackItemT<BVH4::NodeRef>* entry = stack; entry != top; entry++) {
+  for (Entry* entry = stack; entry != top; entry++) {
     float distance; // Embree stores its bits as an integer
     memcpy(&distance, &entry->dist, sizeof(float));
     if (unlikely(distance < least)) {
@@ -24,24 +23,26 @@ static bool deferToNearer(BVH4::NodeRef leaf, float entryT, StackItemT<BVH4::Nod
       nearest = entry;
     }
   }
-  if (likely(nearest == nullptr)) return false;
+  if (likely(nearest == nullptr)) return nullptr;
   *top++ = *nearest;
   nearest->ptr = leaf;
   memcpy(&nearest->dist, &entryT, sizeof(float));
-  return true;
+  return top;
 }
 
-template<typename RayType>
-__forceinline bool FramedRay::intersectBlock(RayType& ray, IntersectContext* context, const void* prim, float entryT) {
+__noinline void FramedRay::begin(const Ray& ray) {
   static_assert(sizeof(RayState) <= sizeof(state) && alignof(RayState) <= 16, "`state` has room for a RayState");
+  (new (state) RayState(tfar))->set(ray);
+  hasState = true;
+}
+
+/*! Ends with a call of the kind's intersector, which is not inlined, for a short prologue. */
+template<typename RayType>
+__forceinline bool FramedRay::intersectByKind(RayType& ray, IntersectContext* context, const void* prim) {
   if (unlikely(!isBlockValid(prim, FRAMED_BLOCK))) return false;
+  if (unlikely(!hasState)) begin(ray);
   const Block* const block = (const Block*)prim;
   RayState& own = *(RayState*)state;
-  if (!hasState) {
-    new (state) RayState(tfar);
-    own.set(ray);
-    hasState = true;
-  }
   own.entryT = entryT;
   switch (kindOf(block->info)) {
   case kindLeaf: return BlockIntersector1<LeafVisitor1>::intersect(ray, context, own, block);
@@ -51,17 +52,12 @@ __forceinline bool FramedRay::intersectBlock(RayType& ray, IntersectContext* con
   }
 }
 
-StackItemT<BVH4::NodeRef>* FramedRay::intersect(RayHit& ray, IntersectContext* context, BVH4::NodeRef leaf,
-                                                float entryT, StackItemT<BVH4::NodeRef>* stack,
-                                                StackItemT<BVH4::NodeRef>* top) {
-  if (unlikely(isFiltered) && deferToNearer(leaf, entryT, stack, top)) return top;
-  size_t type;
-  intersectBlock(ray, context, leaf.leaf(type), entryT);
-  return top;
+bool FramedRay::intersectBlock(RayHit& ray, IntersectContext* context, const void* block) {
+  return intersectByKind(ray, context, block);
 }
 
-bool FramedRay::occluded(Ray& ray, IntersectContext* context, const void* block) {
-  return intersectBlock(ray, context, block, neg_inf);
+bool FramedRay::intersectBlock(Ray& ray, IntersectContext* context, const void* block) {
+  return intersectByKind(ray, context, block);
 }
 
 float FramedRay::nearestTfar(float current) const { return ((const RayState*)state)->nearest.finalTfar(current); }

@@ -1,12 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Single-ray queries, compiled for one instruction set: the choice of a leaf's intersector by the leaf's type. */
+/* Single-ray queries of the tree of surfaces at rest, compiled for one instruction set: the choice of a leaf's
+ * intersector by the leaf's type. */
 
 #include "queries1.h"
 #include "top_level1.h"
 #include "../base/leaf_type.h"
-#include "../exact/intersectors1.h"
+#include "../exact/intersector1.h"
 #include "../paper/interface.h"
 
 namespace embree::isa {
@@ -71,40 +72,6 @@ private:
   FramedRay framed;
   VertRay vert;
 };
-
-/*! Leaves of the tree of moving surfaces. */
-class MovingLeaves {
-  typedef TravRay<4, true> Tray;
-
-public:
-  __forceinline explicit MovingLeaves(IntersectContext* context) : context(context) {}
-
-  __forceinline StackEntry* intersect(RayHit& ray, const ReachedLeaf& leaf, const Tray&, StackEntry*, StackEntry* top) {
-    intersectBlock(ray, leaf.ref);
-    return top;
-  }
-
-  __forceinline bool isOccluded(Ray& ray, BVH4::NodeRef leaf, const Tray&, BVH4::NodeRef*&) {
-    return intersectBlock(ray, leaf);
-  }
-
-private:
-  /*! Returns true if a hit was accepted. */
-  template<typename RayType>
-  __forceinline bool intersectBlock(RayType& ray, BVH4::NodeRef leaf) {
-    size_t type;
-    const void* const prim = leaf.leaf(type);
-    switch (BlockType(type)) {
-    case VERT_BLOCK: return intersectMovingVert(ray, context, vert, (const VertHeader*)prim);
-    case MESH_BLOCK: return intersectMovingMesh(ray, context, vert, prim);
-    case FRAMED_BLOCK: break; // never moves
-    }
-    return false;
-  }
-
-  IntersectContext* context;
-  VertRay vert;
-};
 } // namespace cbvh
 
 void CompressedSubdivTraversal1::intersect(const Accel::Intersectors* This, RayHit& ray, IntersectContext* context) {
@@ -124,28 +91,5 @@ void CompressedSubdivTraversal1::occluded(const Accel::Intersectors* This, Ray& 
   if (cbvh::traverseAnyHit1(bvh->root, cbvh::StaticNodes(), ray, leaves)) ray.tfar = neg_inf;
 }
 
-void CompressedMotionTraversal1::intersect(const Accel::Intersectors* This, RayHit& ray, IntersectContext* context) {
-  const BVH4* bvh = (const BVH4*)This->ptr;
-  if (cbvh::isValidRay(ray) && cbvh::mayIntersect(ray, boundsAtAllTimes(bvh))) intersectTree(bvh, ray, context);
-}
-
-void CompressedMotionTraversal1::occluded(const Accel::Intersectors* This, Ray& ray, IntersectContext* context) {
-  const BVH4* bvh = (const BVH4*)This->ptr;
-  // tfar < 0: see above
-  if (!(ray.tfar < 0.0f) && cbvh::isValidRay(ray) && cbvh::mayIntersect(ray, boundsAtAllTimes(bvh)))
-    occludedTree(bvh, ray, context);
-}
-
-__noinline void CompressedMotionTraversal1::intersectTree(const BVH4* bvh, RayHit& ray, IntersectContext* context) {
-  cbvh::MovingLeaves leaves(context);
-  cbvh::traverseClosestHit1(bvh->root, cbvh::MovingNodes{ray.time()}, ray, leaves);
-}
-
-__noinline void CompressedMotionTraversal1::occludedTree(const BVH4* bvh, Ray& ray, IntersectContext* context) {
-  cbvh::MovingLeaves leaves(context);
-  if (cbvh::traverseAnyHit1(bvh->root, cbvh::MovingNodes{ray.time()}, ray, leaves)) ray.tfar = neg_inf;
-}
-
 DEFINE_INTERSECTOR1(BVH4CompressedSubdivIntersector1, CompressedSubdivTraversal1);
-DEFINE_INTERSECTOR1(BVH4CompressedMotionIntersector1, CompressedMotionTraversal1);
 } // namespace embree::isa
