@@ -131,7 +131,9 @@ def hard_cases(folder):
             if sentence is not None:
                 case = test.get("classname").split("/")[-1] + "." + test.get("name").partition("/")[0]
                 result = next((what for what in ("failure", "skipped") if test.find(what) is not None), "passed")
-                counts = cases.setdefault((case, sentence.get("value")), dict.fromkeys(("passed", "failure", "skipped"), 0))
+                counts = cases.setdefault(
+                    (case, sentence.get("value")), dict.fromkeys(("passed", "failure", "skipped"), 0)
+                )
                 counts[result] += 1
     rows = [[*case, *map(str, counts.values())] for case, counts in sorted(cases.items())]
     return [Table(["case", "property", "passed", "failed", "skipped"], rows, 2)] if rows else []
