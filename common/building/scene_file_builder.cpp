@@ -33,11 +33,14 @@ private:
   uint64_t hash = emptyHash;
 };
 
-/* Samples the displacement at a few points of each face. */
+/* Samples the displacement at a few points of each face: inside, and on borders, which depend on how a map continues
+ * and on the faces beside. */
 void addDisplacement(InputKey& key, const Model& model, int level) {
-  constexpr size_t n = 4;
-  const float u[n] = {0.5f, 0.25f, 0.625f, 0.8125f}, v[n] = {0.5f, 0.375f, 0.125f, 0.6875f};
-  const Vec3f normals[n] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}};
+  constexpr size_t n = 10;
+  const float u[n] = {0.5f, 0.25f, 0.625f, 0.8125f, 0, 1, 0.25f, 0.75f, 0, 1};
+  const float v[n] = {0.5f, 0.375f, 0.125f, 0.6875f, 0.25f, 0.75f, 0, 1, 0, 1};
+  const Vec3f normals[n] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0},
+                            {0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (unsigned face = 0; model.displacement && face < model.cage.numFaces(); face++) {
     const SurfacePoints points{face, level, n, u, v};
     float offsets[n];
@@ -52,7 +55,9 @@ void addDisplacement(InputKey& key, const Model& model, int level) {
   }
 }
 
-unsigned long long keyOf(const Model& model, const Representation& representation, const BuildSettings& settings) {
+} // namespace
+
+unsigned long long inputKey(const Model& model, const Representation& representation, const BuildSettings& settings) {
   InputKey key;
   const std::string label = representation.label();
   key.add(std::vector<char>(label.begin(), label.end()));
@@ -76,8 +81,6 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
   return key.key();
 }
 
-} // namespace
-
 FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings,
                             const std::string& path) {
   requireNoInputFile(path);
@@ -85,7 +88,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   RTCCompressionArguments arguments = compressionArguments(settings);
   arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compress when the geometry is committed
   const SharedTopology topology(device, model.cage, model.poses);
-  const unsigned long long key = keyOf(model, representation, settings);
+  const unsigned long long key = inputKey(model, representation, settings);
   const FileWriterHandle writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), key));
   device.check("saving");
   FileBuildReport report;

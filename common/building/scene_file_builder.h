@@ -25,4 +25,8 @@ struct FileBuildReport {
 FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings,
                             const std::string& path);
 
+/* Hash of all that the stored surfaces depend on, with samples of the displacement. Only an interrupted build of the
+ * same key is resumed. */
+unsigned long long inputKey(const Model& model, const Representation& representation, const BuildSettings& settings);
+
 } // namespace programs

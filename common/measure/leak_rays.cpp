@@ -17,7 +17,6 @@ namespace {
 
 constexpr size_t raysPerPoint = 8;
 constexpr size_t pointsPerChunk = 128;
-constexpr size_t maxExamples = 16;
 
 struct InsidePoint {
   Vec3f origin;
@@ -171,7 +170,7 @@ private:
     counts.gridLeaks += leaks(inGrid, any(grid, context, ray), inScene, ray);
     counts.sceneLeaks += sceneLeaks;
     if (!aimed) counts.random += sceneLeaks;
-    if (sceneLeaks.closest + sceneLeaks.any + sceneLeaks.through > 0 && counts.examples.size() < maxExamples)
+    if (sceneLeaks.closest + sceneLeaks.any + sceneLeaks.through > 0 && counts.examples.size() < counts.maxExamples)
       counts.examples.push_back(ray);
   }
 
@@ -232,7 +231,7 @@ LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& 
     sum.gridLeaks += local.gridLeaks;
     sum.random += local.random;
     for (const Ray& ray : local.examples)
-      if (sum.examples.size() < maxExamples) sum.examples.push_back(ray);
+      if (sum.examples.size() < sum.maxExamples) sum.examples.push_back(ray);
   });
   return sum;
 }

@@ -38,8 +38,9 @@ struct LeakCounts {
   size_t rays = 0;
   size_t aimed = 0; // rays at aim points and edges
   Leaks sceneLeaks, gridLeaks;
-  Leaks random;              // the part of sceneLeaks that is not aimed
-  std::vector<Ray> examples; // leaks in the scene, at most 16
+  Leaks random; // the part of sceneLeaks that is not aimed
+  static constexpr size_t maxExamples = 16;
+  std::vector<Ray> examples; // leaks in the scene
 };
 
 /* Traces rays through a scene and through GRID of the same surface, with `points` on it. Returns no rays if no place

@@ -20,7 +20,6 @@ namespace {
 constexpr int cageQuads = 4;          // per side
 constexpr double maxCoordinate = 0.9; // limits rays, because displacement moves borders sideways
 constexpr size_t raysPerChunk = 1000; // with one seed
-constexpr size_t maxExamples = 16;
 constexpr double pi = 3.14159265358979323846;
 
 class Draws {
@@ -229,7 +228,7 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
       all.any += found.any;
       all.gridMisses += found.gridMisses;
       for (std::string& example : found.examples)
-        if (all.examples.size() < maxExamples) all.examples.push_back(std::move(example));
+        if (all.examples.size() < all.maxExamples) all.examples.push_back(std::move(example));
     });
     all.sheets++;
     all.rays += rays;

@@ -45,10 +45,11 @@ struct DisplacedSheet {
 
 struct SheetCrossings {
   size_t sheets = 0, rays = 0;
-  size_t closest = 0;                // closest-hit queries that miss but hit GRID's sheet
-  size_t any = 0;                    // any-hit queries that miss but hit GRID's sheet
-  size_t gridMisses = 0;             // rays of such queries that also miss GRID's sheet, not counted above
-  std::vector<std::string> examples; // at most 16
+  size_t closest = 0;    // closest-hit queries that miss but hit GRID's sheet
+  size_t any = 0;        // any-hit queries that miss but hit GRID's sheet
+  size_t gridMisses = 0; // rays of such queries that also miss GRID's sheet, not counted above
+  static constexpr size_t maxExamples = 16;
+  std::vector<std::string> examples;
 };
 
 /* The caller releases the scene. The sheet must outlive it. */

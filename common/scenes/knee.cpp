@@ -24,11 +24,6 @@ constexpr Section sections[] = {
     {-1.1f, -2.6f, 0.25f, 0.27f, 0.28f},  {-1.3f, -3.05f, 0.3f, 0.3f, 0.34f},   {-1.25f, -3.4f, 0.5f, 0.3f, 0.42f},
     {-1.2f, -3.6f, 0.55f, 0.32f, 0.45f}};
 
-float smoothstep(float a, float b, float x) {
-  const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
-  return t * t * (3.0f - 2.0f * t);
-}
-
 /* A kneecap with plates, wrinkles at the bend, elsewhere muscles and skin. */
 float kneeHeight(Vec3f p) {
   const float near = std::exp(-dot(p - Vec3f{0.45f, 0.1f, 0}, p - Vec3f{0.45f, 0.1f, 0}) / 0.3f);

@@ -10,6 +10,7 @@
 
 #include "basics/vec.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace programs {
@@ -22,6 +23,11 @@ inline uint32_t hashCell(int x, int y, int z, uint32_t seed) {
   h *= 0x846ca68bu;
   h ^= h >> 16;
   return h;
+}
+
+inline float smoothstep(float a, float b, float x) {
+  const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
+  return t * t * (3.0f - 2.0f * t);
 }
 
 /* std::floor is a function call without SSE4.1. */

@@ -9,11 +9,6 @@
 namespace programs {
 namespace {
 
-float smoothstep(float a, float b, float x) {
-  const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
-  return t * t * (3.0f - 2.0f * t);
-}
-
 float bell(float x, float width) { return std::exp(-(x * x) / (width * width)); }
 
 /* One scale per cell: a dome of height 1 surrounded by a groove of the given width. */

@@ -180,7 +180,8 @@ enum CbvhBoundary {
 };
 
 /* Values at the corners of faces for cbvhInterpolateAttribute, for example texture coordinates. cbvhSetSurfaceCage
- * copies them. They are subdivided with the creases and corners of the cage. */
+ * copies them. They are subdivided with the creases and corners of the cage. A value that is not finite makes results
+ * on the faces around it not finite, and changes nothing else. */
 struct CbvhAttribute {
   const float* values CBVH_ZERO14;
   size_t numValues CBVH_ZERO14;

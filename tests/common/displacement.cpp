@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "scenes/cube.h"
+#include "support/map_files.h"
 #include "support/message_parts.h"
 #include "surface/face_atlas.h"
 #include "surface/face_borders.h"
@@ -15,7 +16,6 @@
 
 #include <filesystem>
 #include <sstream>
-#include <unistd.h>
 
 namespace programs::test { namespace {
 
@@ -75,14 +75,8 @@ float offset(const Displacement& d, unsigned face, float u, float v, int level =
 }
 
 /* Maps in files, in a folder that is removed at the end. */
-class Displacing : public testing::Test {
+class Displacing : public MapFiles {
 protected:
-  void SetUp() override {
-    folder = std::filesystem::temp_directory_path() / ("cbvh_displacement_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
   std::string path(const HeightMap& map, const std::string& name = "map.exr") {
     map.write((folder / name).string());
     return (folder / name).string();
@@ -105,8 +99,6 @@ protected:
     output->close();
     return file;
   }
-
-  std::filesystem::path folder;
 };
 
 HeightMap flat(int size, float height) {

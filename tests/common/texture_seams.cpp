@@ -4,6 +4,7 @@
 /* Closed cages whose texture coordinates are cut into charts. */
 
 #include "building/built_scene.h"
+#include "building/scene_file_builder.h"
 #include "support/map_files.h"
 #include "surface/displacement.h"
 #include "surface/face_borders.h"
@@ -11,6 +12,7 @@
 #include "surface/height_texture.h"
 #include "surface/seam_gaps.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -271,6 +273,60 @@ TEST_F(TextureSeams, HeightsInsideOfChartsAreThoseOfTheTexture) {
   EXPECT_GT(compared, 10000u);
 }
 
+/* Vectors as heights: both sides equal, of their chart, and independent of texels outside. */
+TEST_F(TextureSeams, VectorsAreThoseOfTheChart) {
+  const Charts charts = ball(0.03f);
+  const Cage cage = charts.cage();
+  const int size = 128;
+  const auto vectorOf = [](Vec3f p) { return Vec3f{0.1f * p.y, 0.3f + 0.1f * p.z, -0.1f * p.x}; };
+  const auto mapped = [&](float outside, MapValues values) {
+    HeightMap channels[3] = {{size, size}, {size, size}, {size, size}};
+    for (int k = 0; k < 3; k++)
+      channels[k] = charts.map(size, size, outside, [&](const Chart& chart, float a, float b) {
+        const Vec3f v = vectorOf(chart.point(a, b));
+        return k == 0 ? v.x : k == 1 ? v.y : v.z;
+      });
+    std::vector<float> texels;
+    for (int y = 0; y < size; y++)
+      for (int x = 0; x < size; x++)
+        for (const HeightMap& channel : channels) texels.push_back(channel.at(x, y));
+    DisplacementMap map;
+    map.path = pathOf("vectors" + std::to_string(numMaps++) + ".exr");
+    map.values = values;
+    const auto output = OIIO::ImageOutput::create(map.path);
+    EXPECT_TRUE(output->open(map.path, OIIO::ImageSpec(size, size, 3, OIIO::TypeDesc::FLOAT)) &&
+                output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) && output->close());
+    std::string warnings;
+    return displaceByMap(cage, map, warnings);
+  };
+  const Vec3f normal = normalize(Vec3f{0.3f, 0.5f, 0.8f});
+  const auto at = [&](const Displacement& d, FacePoint p, int level) {
+    Vec3f vector;
+    d.vectors({p.face, level, 1, &p.u, &p.v}, &normal, &vector);
+    return vector;
+  };
+  const FaceBorders borders(cage);
+  for (MapValues values : {MapValues::ObjectVectors, MapValues::TangentVectors}) {
+    const auto low = mapped(background, values), high = mapped(1000.0f, values);
+    for (int level : {0, 2, 4}) {
+      for (unsigned face = 0; face < cage.numFaces(); face++)
+        for (unsigned edge = 0; edge < 4; edge++)
+          for (float t : {0.0f, 0.25f, 0.5f, 1.0f}) {
+            const FaceBorders::Side other = borders.opposite(face, edge);
+            const Vec3f a = at(*low, borders.point(face, edge, t), level),
+                        b = at(*low, borders.point(other.face, other.edge, 1 - t), level);
+            ASSERT_TRUE(a.x == b.x && a.y == b.y && a.z == b.z) << "face " << face << " edge " << edge << " at " << t;
+          }
+      forVertices(charts, level, [&](const Chart& chart, unsigned face, float u, float v, float a, float b) {
+        const Vec3f x = at(*low, {face, u, v}, level), y = at(*high, {face, u, v}, level);
+        ASSERT_TRUE(x.x == y.x && x.y == y.y && x.z == y.z) << "face " << face << " at " << u << ", " << v;
+        if (values == MapValues::ObjectVectors && level >= 2)
+          EXPECT_LT(length(x - vectorOf(chart.point(a, b))), 0.02f) << "face " << face << " at " << u << ", " << v;
+      });
+    }
+  }
+}
+
 /* The map continues where it repeats: no footprint is cut. */
 TEST_F(TextureSeams, RepeatedMapsContinueAcrossSeams) {
   const Charts charts = cylinder(0.0f, 1.0f, 0.0f, 1.0f);
@@ -421,6 +477,20 @@ TEST_F(TextureSeams, TheLargestGapIsReported) {
   BuildSettings settings;
   settings.level = 3;
   EXPECT_LT(BuiltScene(agreeing, {RepresentationKind::CVert}, settings).report().seams.quads, 0.2f);
+}
+
+/* Otherwise an interrupted build would be resumed with heights of two kinds. */
+TEST_F(TextureSeams, AnotherWrapIsAnotherInputOfAFile) {
+  const Charts charts = cylinder(0.0f, 1.0f, 0.0f, 1.0f);
+  HeightMap ramp(64, 64);
+  for (int y = 0; y < 64; y++)
+    for (int x = 0; x < 64; x++) ramp.at(x, y) = float(x + y) / 128.0f;
+  std::set<unsigned long long> keys;
+  for (TextureWrap wrap : {TextureWrap::Repeat, TextureWrap::Clamp, TextureWrap::Black}) {
+    const Model model = modelOf(charts, displaced(charts.cage(), ramp, wrap));
+    keys.insert(inputKey(model, {RepresentationKind::CVert}, BuildSettings()));
+  }
+  EXPECT_EQ(keys.size(), 3u);
 }
 
 }} // namespace programs::test

@@ -317,6 +317,32 @@ TEST(CoarseLattice, IsReportedOnce) {
   EXPECT_NE(lineWith(reported("cbvh_max_error=0.05,verbose=1", false), "max_error"), "");
 }
 
+// Integers remain integers with an error of 1, so that nothing is lost.
+TEST(CoarseLattice, IsNotReportedIfNoVertexMoves) {
+  Random random(3);
+  DicedMesh mesh = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random);
+  for (Vec& p : mesh.vertices) {
+    for (float& x : p) x = std::round(32 * x);
+    p[2] = 0;
+  }
+  const auto reported = [&](const DicedMesh& stored, bool moves = false) {
+    testing::internal::CaptureStderr();
+    {
+      const Device device("cbvh_max_error=1,verbose=1");
+      const RTCCompressionStatistics statistics = statisticsOf(MeshScene(device, stored));
+      EXPECT_EQ(statistics.maxVertexSpacing, 1.0f);
+      EXPECT_EQ(statistics.maxVertexDeviation > 0, moves);
+    }
+    return lineWith(testing::internal::GetCapturedStderr(), "median edge");
+  };
+  const DicedMesh irregular = irregularTriangles(mesh, random);
+  EXPECT_EQ(reported(mesh), "");
+  EXPECT_EQ(reported(irregular), "");
+  DicedMesh moved = mesh;
+  for (Vec& p : moved.vertices) p[2] = float(random.uniform(0, 0.5));
+  EXPECT_NE(reported(moved, true), "");
+}
+
 // Mesh blocks have a finer lattice if the requested one would flip most triangles.
 TEST(CoarseLattice, IsTheOneOfTheMeshBlocks) {
   Random random(2);

@@ -14,6 +14,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "building/memory.h"
+#include "programs/warnings.h"
 #include "tracing/trace_hits.h"
 
 #include <algorithm>
@@ -141,7 +142,10 @@ private:
   void add(const Variant& variant, int batch) {
     built.emplace_back(settings.model, variant, build, libraryOf(variant), group);
     built.back().result().batch = batch;
-    if (!comparisons) comparisons = std::make_unique<Comparisons>(settings, build, built[0].use(), group);
+    if (!comparisons) {
+      printWarnings("cbvh_bench", seamWarnings(settings.model, built[0].use().report().seams));
+      comparisons = std::make_unique<Comparisons>(settings, build, built[0].use(), group);
+    }
     Phase phase(title() + ", " + variant.representation.label() +
                 (settings.options.isas.size() > 1 ? " " + variant.isa : "") +
                 (settings.options.libraries.size() > 1 ? " " + libraryOf(variant).name() : "") + ": hits");

@@ -30,7 +30,7 @@ vec3 vector(float x, float y, float z) { return vec3(x, y, z); }
 #include <cstdint>
 
 #define PATH_BEGIN \
-  namespace cbvh { \
+  namespace programs { \
   namespace path {
 #define PATH_END \
   } \

@@ -16,95 +16,57 @@ namespace {
  *  built. Any: values of cbvh keys are checked when they are parsed. */
 enum class Value { Any, Name, Integer, Number, CacheSize, Isa, Frequency, Quality, SceneFlags };
 
+struct Keys {
+  Value value;
+  const char* names; //!< separated by blanks
+};
+
+/*! Keys of State::parse in kernels/common/state.cpp, and of CompressionSettings::parse. cbvh_exact_faces is a former
+ * name of cbvh_fallback_faces. */
+const Keys keys[] = {
+    {Value::Integer,
+     "threads user_threads set_affinity affinity start_threads enable_selockmemoryprivilege hugepages "
+     "float_exceptions object_accel_min_leaf_size object_accel_max_leaf_size object_accel_mb_min_leaf_size "
+     "object_accel_mb_max_leaf_size instancing_open_min instancing_block_size instancing_open_max_depth "
+     "instancing_open_max verbose benchmark presplits alloc_main_block_size alloc_num_main_slots "
+     "alloc_thread_block_size alloc_single_thread_alloc"},
+    {Value::Number, "instancing_open_factor max_spatial_split_replications"},
+    {Value::CacheSize, "tessellation_cache_size cache_size"},
+    {Value::Isa, "isa max_isa max_builder_isa"},
+    {Value::Frequency, "frequency_level"},
+    {Value::Quality, "quality"},
+    {Value::SceneFlags, "scene_flags"},
+    {Value::Name, "accel builder traverser accel_mb builder_mb traverser_mb tri_accel tri_builder tri_traverser "
+                  "tri_accel_mb tri_builder_mb tri_traverser_mb quad_accel quad_builder quad_traverser quad_accel_mb "
+                  "quad_builder_mb quad_traverser_mb line_accel line_builder line_traverser line_accel_mb "
+                  "line_builder_mb line_traverser_mb hair_accel hair_builder hair_traverser hair_accel_mb "
+                  "hair_builder_mb hair_traverser_mb object_accel object_builder object_accel_mb object_builder_mb "
+                  "subdiv_accel subdiv_accel_mb grid_accel grid_accel_mb"},
+    {Value::Any, "cbvh_frame_level cbvh_max_error cbvh_fallback_faces cbvh_exact_faces cbvh_grids cbvh_quads "
+                 "cbvh_triangles cbvh_release_input"},
+};
+
 struct Key {
-  const char* name;
+  std::string name;
   Value value;
 };
 
-/*! Keys of State::parse in kernels/common/state.cpp and of CompressionSettings::parse. */
-const Key keys[] = {{"threads", Value::Integer},
-                    {"user_threads", Value::Integer},
-                    {"set_affinity", Value::Integer},
-                    {"affinity", Value::Integer},
-                    {"start_threads", Value::Integer},
-                    {"isa", Value::Isa},
-                    {"max_isa", Value::Isa},
-                    {"max_builder_isa", Value::Isa},
-                    {"frequency_level", Value::Frequency},
-                    {"enable_selockmemoryprivilege", Value::Integer},
-                    {"hugepages", Value::Integer},
-                    {"float_exceptions", Value::Integer},
-                    {"accel", Value::Name},
-                    {"builder", Value::Name},
-                    {"traverser", Value::Name},
-                    {"accel_mb", Value::Name},
-                    {"builder_mb", Value::Name},
-                    {"traverser_mb", Value::Name},
-                    {"tri_accel", Value::Name},
-                    {"tri_builder", Value::Name},
-                    {"tri_traverser", Value::Name},
-                    {"tri_accel_mb", Value::Name},
-                    {"tri_builder_mb", Value::Name},
-                    {"tri_traverser_mb", Value::Name},
-                    {"quad_accel", Value::Name},
-                    {"quad_builder", Value::Name},
-                    {"quad_traverser", Value::Name},
-                    {"quad_accel_mb", Value::Name},
-                    {"quad_builder_mb", Value::Name},
-                    {"quad_traverser_mb", Value::Name},
-                    {"line_accel", Value::Name},
-                    {"line_builder", Value::Name},
-                    {"line_traverser", Value::Name},
-                    {"line_accel_mb", Value::Name},
-                    {"line_builder_mb", Value::Name},
-                    {"line_traverser_mb", Value::Name},
-                    {"hair_accel", Value::Name},
-                    {"hair_builder", Value::Name},
-                    {"hair_traverser", Value::Name},
-                    {"hair_accel_mb", Value::Name},
-                    {"hair_builder_mb", Value::Name},
-                    {"hair_traverser_mb", Value::Name},
-                    {"object_accel", Value::Name},
-                    {"object_builder", Value::Name},
-                    {"object_accel_min_leaf_size", Value::Integer},
-                    {"object_accel_max_leaf_size", Value::Integer},
-                    {"object_accel_mb", Value::Name},
-                    {"object_builder_mb", Value::Name},
-                    {"object_accel_mb_min_leaf_size", Value::Integer},
-                    {"object_accel_mb_max_leaf_size", Value::Integer},
-                    {"instancing_open_min", Value::Integer},
-                    {"instancing_block_size", Value::Integer},
-                    {"instancing_open_max_depth", Value::Integer},
-                    {"instancing_open_factor", Value::Number},
-                    {"instancing_open_max", Value::Integer},
-                    {"subdiv_accel", Value::Name},
-                    {"subdiv_accel_mb", Value::Name},
-                    {"grid_accel", Value::Name},
-                    {"grid_accel_mb", Value::Name},
-                    {"verbose", Value::Integer},
-                    {"benchmark", Value::Integer},
-                    {"quality", Value::Quality},
-                    {"scene_flags", Value::SceneFlags},
-                    {"max_spatial_split_replications", Value::Number},
-                    {"presplits", Value::Integer},
-                    {"tessellation_cache_size", Value::CacheSize},
-                    {"cache_size", Value::CacheSize},
-                    {"alloc_main_block_size", Value::Integer},
-                    {"alloc_num_main_slots", Value::Integer},
-                    {"alloc_thread_block_size", Value::Integer},
-                    {"alloc_single_thread_alloc", Value::Integer},
-                    {"cbvh_frame_level", Value::Any},
-                    {"cbvh_max_error", Value::Any},
-                    {"cbvh_fallback_faces", Value::Any},
-                    {"cbvh_exact_faces", Value::Any}, // former name of cbvh_fallback_faces
-                    {"cbvh_grids", Value::Any},
-                    {"cbvh_quads", Value::Any},
-                    {"cbvh_triangles", Value::Any},
-                    {"cbvh_release_input", Value::Any}};
+const std::vector<Key>& allKeys() {
+  static const std::vector<Key> all = [] {
+    std::vector<Key> list;
+    for (const Keys& k : keys) {
+      std::istringstream names(k.names);
+      for (std::string name; names >> name;) list.push_back({name, k.value});
+    }
+    return list;
+  }();
+  return all;
+}
 
 const Key* find(const std::string& name) {
-  const Key* const key = std::find_if(std::begin(keys), std::end(keys), [&](const Key& k) { return name == k.name; });
-  return key == std::end(keys) ? nullptr : key;
+  const std::vector<Key>& all = allKeys();
+  const auto key = std::find_if(all.begin(), all.end(), [&](const Key& k) { return name == k.name; });
+  return key == all.end() ? nullptr : &*key;
 }
 
 /*! Levenshtein distance. */
@@ -194,7 +156,7 @@ bool isDeviceKey(const std::string& key) { return find(key) != nullptr; }
 std::string nearestDeviceKey(const std::string& name) {
   if (isDeviceKey("cbvh_" + name)) return "cbvh_" + name; // EMBREE_CBVH has the key without the prefix
   std::vector<std::string> names;
-  for (const Key& key : keys) names.push_back(key.name);
+  for (const Key& key : allKeys()) names.push_back(key.name);
   return nearestName(name, names);
 }
 

@@ -49,6 +49,8 @@ public:
    *  these edges count only if there are no others. */
   void addLine(bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
     samples[alongU ? 0 : 1][isCoarse].add(vertices, count);
+    for (size_t i = 0; i < count; i++)
+      for (int k = 0; k < 3; k++) lowestBit = min(lowestBit, exponentOfLowestBit(vertices[i][k]));
   }
 
   /*! Extends the bounds to which maxPixelError applies. Lines of addLine() are included anyway. */
@@ -73,6 +75,9 @@ public:
 
   /*! Shorter median edge of u and v, or 0. Call exponent() first. */
   double medianEdge() const { return lowerMedian; }
+
+  /*! True if all vertices of the lines are on a lattice, so that it moves none of them. */
+  bool areOnLattice(int exponent) const { return exponent <= lowestBit; }
 
 private:
   /*! Returns the smaller spacing that max_error and maxPixelError request, or the default. maxPixelError
@@ -102,7 +107,8 @@ private:
 
   const double spacingPerEdge;
   double lowerMedian = 0;
-  cbvh::EdgeSample samples[2][2]; //!< [along u, v][at the patch's rate, on coarse borders]
+  int lowestBit = std::numeric_limits<int>::max(); //!< lowest exponent of a bit that is set in a coordinate
+  cbvh::EdgeSample samples[2][2];                  //!< [along u, v][at the patch's rate, on coarse borders]
   cbvh::WorldBounds bounds;
   unsigned minQuads[2] = {~0u, ~0u};
 };
@@ -136,7 +142,7 @@ public:
           const int exponent = choice.exponent(plan, diagonals[step]);
           own[i * plan.numTimeSteps + step] = int8_t(exponent);
           const double edge = choice.medianEdge();
-          if (edge > 0) {
+          if (edge > 0 && !choice.areOnLattice(exponent)) {
             spacings += std::ldexp(1.0, exponent);
             edges += edge;
             n++;

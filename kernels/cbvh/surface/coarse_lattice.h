@@ -8,11 +8,22 @@
 #include "../base/environment.h"
 #include "../embree/scene.h"
 #include <atomic>
+#include <cmath>
 #include <iostream>
+#include <limits>
 
 namespace embree::isa {
 /*! Spacing, as a fraction of an edge, at which the first quads flip. */
 static const double coarseSpacing = 0.5;
+
+/*! Exponent of the lowest bit that is set in a number: the number is on all lattices of at most this exponent. The
+ *  largest int for 0, and for numbers that are not finite, which no lattice moves. */
+inline int exponentOfLowestBit(float x) {
+  if (x == 0.0f || !std::isfinite(x)) return std::numeric_limits<int>::max();
+  int exponent;
+  const int mantissa = int(std::ldexp(std::frexp(x, &exponent), 24));
+  return exponent - 24 + __builtin_ctz(unsigned(mantissa));
+}
 
 /*! Warns on stderr, once per process and instruction set, or in every call if the device or environment is verbose.
  *  spacing, edge: the lattice's spacing and the median edge; averages if each primitive has its own lattice. */

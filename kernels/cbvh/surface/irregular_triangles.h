@@ -127,11 +127,11 @@ public:
   template<typename Progress>
   void prepare(const StoredBorders* borders, const Progress& progress) {
     this->borders = borders;
-    double medianEdge = 0;
-    int exponent = chooseExponent(medianEdge);
+    double movedEdge = 0;
+    int exponent = chooseExponent(movedEdge);
     while (flipsMost(exponent)) exponent = max(exponent - cbvh::MeshLattice::finerBits, cbvh::losslessExponent);
     spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
-    if (plan.settings.maxError > 0) warnIfCoarse(device, spacingOfLattice, medianEdge);
+    if (plan.settings.maxError > 0) warnIfCoarse(device, spacingOfLattice, movedEdge);
     for (unsigned step = 0; step < plan.numTimeSteps; step++) lattices.emplace_back(new cbvh::MeshLattice(exponent));
     if (plan.moves()) welded = mesh.weld();
     cbvh::resizeToFit(centers, numPrimitives());
@@ -234,8 +234,9 @@ private:
 
   uint32_t primitiveAt(size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
 
-  /*! Chooses the lattice's exponent from the edges of a sample of triangles, and sets their median. */
-  int chooseExponent(double& medianEdge) const {
+  /*! Chooses the lattice's exponent from the edges of a sample of triangles. Sets movedEdge to their median, or to 0 if
+   *  the lattice does not move them. */
+  int chooseExponent(double& movedEdge) const {
     LatticeChoice choice(cbvh::spacingPerMeshEdge);
     const size_t stride = max(numPrimitives() / sampledPrimitives, size_t(1));
     for (size_t i = 0; i < numPrimitives(); i += stride) {
@@ -250,7 +251,7 @@ private:
     }
     if (plan.settings.maxPixelError > 0) choice.extendBounds(boundsOfAll());
     const int exponent = choice.exponent(plan, 0.0);
-    medianEdge = choice.medianEdge();
+    movedEdge = choice.areOnLattice(exponent) ? 0 : choice.medianEdge();
     return exponent;
   }
 
