@@ -24,7 +24,7 @@ FOLDERS = {
     "tutorials": "programs, Python module, examples",
     "common": "cages, maps, cameras, ray sets, metrics, images",
     "kernels/interposer": "subdivision geometry of Embree 4 programs",
-    "kernels/capi": "libembree_cbvh.so",
+    "kernels/capi": "functions of cbvh.h, of both libraries",
     "kernels/vulkan": "libembree3_vulkan.so and shaders",
     "include": "public headers",
     "kernels/cbvh/api": "rtc functions, and where Embree calls us",

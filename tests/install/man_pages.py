@@ -188,7 +188,7 @@ class PublicHeaders(unittest.TestCase):
             pages = made(folder, *HEADERS)
         history = {name.split(".")[0]: section(page, "HISTORY") for name, page in pages.items()}
         self.assertIn("Available since 0.9.0.", history["rtcSetGeometryCompression"])
-        self.assertIn("Available since 1.0.0.", history["rtcDiceGeometry"])
+        self.assertIn("Available since 1.0.0.", history["rtcNewSurfaceFromGeometry"])
         listed = re.search(r'frozenset\(\s*"""(.*?)"""', SCRIPT.read_text(), re.S)[1].split()
         self.assertEqual([name for name in listed if name not in history], [])
         for name, page in pages.items():
@@ -198,7 +198,7 @@ class PublicHeaders(unittest.TestCase):
     def test_references_lead_to_pages_and_pages_have_no_warnings(self):
         with tempfile.TemporaryDirectory() as folder:
             pages = made(folder, *HEADERS)
-            self.assertGreater(len(pages), 80)
+            self.assertGreater(len(pages), 70)
             for name, page in pages.items():
                 for macro in ("SIZE_OF", "_ZERO", "RTC_DEFAULT"):
                     self.assertNotIn(macro, page, name)
