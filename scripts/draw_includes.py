@@ -27,7 +27,7 @@ ROOMS = {
     },
     "public headers": {"include": "of libembree3, its Vulkan part, and libembree_cbvh"},
     "other libraries": {
-        "kernels/capi": "libembree_cbvh.so",
+        "kernels/capi": "functions of cbvh.h, of both libraries",
         "kernels/interposer": "subdivision geometry of Embree 4 programs",
         "kernels/vulkan": "libembree3_vulkan.so and shaders",
     },

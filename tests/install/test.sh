@@ -25,8 +25,7 @@ trap 'rm -rf "$work"' EXIT
 mv "$work/first" "$work/prefix"
 unset LD_LIBRARY_PATH EMBREE_CBVH
 [ -e "$work"/prefix/lib/libembree3.so.3 ]
-for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h \
-  rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h; do
+for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_surface.h cbvh.h; do
   [ -f "$work/prefix/include/embree3/$header" ]
 done
 if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
@@ -167,9 +166,8 @@ cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
 functions=$(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' \
-  rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h \
-  rtcore_compressed_files.h)
-[ "$(echo "$functions" | wc -w)" -gt 20 ] || fail "few functions in our headers: $functions"
+  rtcore_compression.h rtcore_surface.h)
+[ "$(echo "$functions" | wc -w)" -gt 5 ] || fail "few functions in our headers: $functions"
 for function in $functions; do
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
