@@ -60,7 +60,17 @@ def read_arguments():
         metavar="NAME",
         help="only this job, as --list names it, or a pattern such as 'frames_*'; may be repeated",
     )
-    parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET)")
+    parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
+    parser.add_argument("--height", metavar="FILE", help="height map of the cage")
+    parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
+    parser.add_argument(
+        "--level",
+        metavar="LIST",
+        help="comma-separated levels of the cage (default: 4,5 in the set quick, else 4,5,6)",
+    )
+    parser.add_argument(
+        "--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)"
+    )
     parser.add_argument(
         "--bench", metavar="PROGRAM", help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)"
     )
@@ -98,10 +108,48 @@ def matches(job, name):
     return fnmatch.fnmatchcase(job.name, name)
 
 
+MAX_LEVEL = 8
+
+
+def levels_of(text):
+    """Returns the levels of --level in ascending order."""
+    try:
+        levels = sorted({int(word) for word in text.split(",")})
+    except ValueError:
+        levels = []
+    if not levels or levels[0] < 0 or levels[-1] > MAX_LEVEL:
+        raise Failure(f"--level '{text}': expected levels from 0 to {MAX_LEVEL} with commas between them, as in 4,5,6")
+    return levels
+
+
+def faces_of(path):
+    """Approximate number of quads of a cage at level 0: a face with n corners, n != 4, becomes n quads of a quarter
+    face each."""
+    count = 0
+    with open(path, encoding="utf-8", errors="replace") as file:
+        for line in file:
+            if line.startswith("f "):
+                corners = len(line.split()) - 1
+                count += 1 if corners == 4 else corners / 4
+    return count
+
+
 def choose_jobs(options, build):
     """Returns the jobs of the command line. Prints a line for each job that this build does not support."""
     if options.set not in sets.NAMES:
         raise Failure(f"unknown set '{options.set}': expected one of {', '.join(sets.NAMES)}")
+    if options.cage:
+        for path in filter(None, (options.cage, options.height)):
+            if not Path(path).is_file():
+                raise Failure(f"{path}: no such file")
+        words = ["--cage", options.cage]
+        for name in ("height", "amplitude"):
+            words += ["--" + name, getattr(options, name)] if getattr(options, name) else []
+        levels = levels_of(options.level) if options.level else [4, 5] if options.set == "quick" else [4, 5, 6]
+        return [sets.own_cage(Path(options.cage).stem, shlex.join(words), levels, faces_of(options.cage))]
+    for name in ("height", "amplitude", "level"):
+        if getattr(options, name):
+            raise Failure(f"--{name} needs --cage: the scenes of a set have their own")
     jobs = sets.jobs_of(options.set, build["isas"])
     for name in options.scene or []:
         if name not in build["scenes"]:
@@ -218,7 +266,7 @@ def finished_levels(job, folder, build, device, fresh):
 
 
 def has_same_settings(job, command):
-    return all(word in command for word in job.arguments) and f"--scene {job.scene} " in command
+    return all(word in command for word in job.arguments) and (not job.scene or f"--scene {job.scene} " in command)
 
 
 def record_of(job, levels, folder):
@@ -227,7 +275,8 @@ def record_of(job, levels, folder):
 
 def command_of(bench, job, levels, folder):
     """Returns the command line of a job. Paths are relative, so that the record contains no folder of this machine."""
-    command = [str(bench), "--scene", job.scene, "--level", ",".join(map(str, levels)), *job.arguments]
+    command = [str(bench)] + (["--scene", job.scene] if job.scene else [])
+    command += ["--level", ",".join(map(str, levels))] + job.arguments
     if job.pictures:  # a folder per job: jobs may show the same scene and view in different sizes
         command += ["--pictures", os.path.relpath(folder / "pictures" / job.name)]
     command += ["--json", os.path.relpath(record_of(job, levels, folder))]
@@ -249,9 +298,9 @@ def measure(command, log_path):
     return status, lines[-1].strip()
 
 
-def print_list(jobs):
+def print_list(jobs, cage):
     for job in jobs:
-        place = f"{job.scene}, levels {level_text(job.levels)}"
+        place = f"{job.scene or cage}, levels {level_text(job.levels)}"
         print(f"{job.name:18s} {job.figures:34s} {place}, about {clock(job.seconds)}")
     print(f"{len(jobs)} jobs, about {clock(sum(job.seconds for job in jobs))}, planned for two idle cores")
 
@@ -286,10 +335,10 @@ def run(options):
     else:
         build = build_info(bench)
     jobs = choose_jobs(options, build)
-    folder_name = options.output or f"output/benchmark/{options.set}"
+    folder_name = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
     folder = Path(folder_name) if options.output else ROOT / folder_name
     if options.list:
-        print_list(jobs)
+        print_list(jobs, options.cage)
         return 0
     if options.print_commands:
         for job in jobs:

@@ -13,7 +13,7 @@ class Job:
 
     name: str  # also the base name of its files
     figures: str  # figures that it provides data for; printed when the job is done
-    scene: str  # value of --scene
+    scene: str  # value of --scene; empty if the options name a cage
     levels: list
     options: str
     seconds: float  # estimate for two cores
@@ -184,6 +184,19 @@ def frames(measure):
     return [Job(f"frames_{scene}", "levels and frame levels", scene, [4, 5, 6, 7, 8], options, seconds,
                 heavy=True, pictures=False)
             for scene, seconds in (("cube", 90), ("trex", 900))]
+
+
+# Estimated seconds for a user's cage on two cores: rays and pictures per level, and builds per million quads.
+OWN_SECONDS_PER_LEVEL = 58
+OWN_SECONDS_PER_MILLION_QUADS = 24
+
+
+def own_cage(name, options, levels, faces):
+    """The job for a cage of the user. faces: see faces_of in benchmark.py, for the estimate."""
+    quads = faces * sum(4**level for level in levels)
+    seconds = OWN_SECONDS_PER_LEVEL * len(levels) + OWN_SECONDS_PER_MILLION_QUADS * 1e-6 * quads
+    words = f"--representation {FINE_FRAMES},naive,naive-compact --view full,close {options}"
+    return Job(name, "your cage", "", levels, words, seconds, heavy=True)
 
 
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")

@@ -46,7 +46,8 @@ def read(folder, gpu=(), other_machines=()):
 
 def sections(data, against, scale_folder, folder):
     """Yields titles, contents, and what to measure for sections without contents."""
-    yield "The paper's statements", relations.section(data), ""
+    if not data.is_own():
+        yield "The paper's statements", relations.section(data), "scenes of the paper"
     for scene in data.scenes():
         name = scene.replace(":", "_") + ".svg"
         drawn = plot.write(folder / name, data.full[data.full.scene == scene], scene)
@@ -94,7 +95,7 @@ def main():
     for title, parts, missing in sections(
         data, against, options.scale or ROOT / "output/benchmark/scale", report.parent
     ):
-        if parts or missing:
+        if parts or (missing and not data.is_own()):
             texts = [part if isinstance(part, str) else part.markdown() for part in parts]
             lines += [f"## {title}", "", *(f"{text}\n" for text in texts or [f"Not measured: {missing}"])]
     write(report, "\n".join(lines))

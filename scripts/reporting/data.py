@@ -83,6 +83,10 @@ class Data:
     def levels(self, scene):
         return sorted(set(self.here[self.here.scene == scene].level))
 
+    def is_own(self):
+        """True if all records are of the user's own cages."""
+        return len(self.here) > 0 and not self.here.run_command.str.contains("--scene ", regex=False).any()
+
     def skipped(self, *origins):
         """Lines that list what was skipped."""
         rows = self.table[(self.table.what == "skipped") & self.table.origin.isin(origins)]

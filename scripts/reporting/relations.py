@@ -89,7 +89,9 @@ def blocks_cost_little(leaf, voxel):
 
 
 def relations(data):
-    """Returns what the paper states about its scenes, measured or not."""
+    """Returns what the paper states about its scenes, measured or not; nothing for a user's cages."""
+    if data.is_own():
+        return []
     main = MAIN_SCENE
     return [
         part_of_grid(data, main, LEAF, 20),
@@ -117,4 +119,4 @@ def verdict(relation):
 
 def section(data):
     rows = [[relation.claim, relation.paper, relation.ours, verdict(relation)] for relation in relations(data)]
-    return [Table(["relation", "paper", "ours", "verdict"], rows, 4)]
+    return [Table(["relation", "paper", "ours", "verdict"], rows, 4)] if rows else []

@@ -65,6 +65,17 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
   }
 }
 
+// Moves bounds inwards by the slack that the encoder adds.
+uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4]) {
+  ExactBox moved[4];
+  for (int c = 0; c < 4; c++)
+    for (int axis = 0; axis < 3; axis++) {
+      moved[c].lower[axis] = children[c].lower[axis] + containmentSlack;
+      moved[c].upper[axis] = children[c].upper[axis] - containmentSlack;
+    }
+  return encodeNode(parent, moved);
+}
+
 // On one random path from the root to level 8. Returns how many children were not contained, over all variants.
 template<typename Encode>
 unsigned violations(Random& random, int shape, const Encode& encode) {
@@ -94,6 +105,33 @@ TEST(NodeCodec, DecodedBoundsContainChildrenOnAllLevelsInAllArithmetic) {
   for (int shape = 0; shape <= SHAPES; shape++)
     for (int i = 0; i < 20000; i++)
       ASSERT_EQ(violations(random, shape, encodeNode), 0u) << "shape " << shape << ", path " << i;
+}
+
+// The opposite of the previous test: fused arithmetic rounds planes only once.
+TEST(NodeCodec, GeometryTouchingPlanesIsLostWithoutSlack) {
+  Random random(1);
+  unsigned count = 0;
+  for (int i = 0; i < 20000; i++) count += violations(random, TOUCHING, encodeWithoutSlack) != 0;
+  EXPECT_GT(count, 100u);
+}
+
+TEST(NodeCodec, ReferenceDecoderIsOneOfTheVariants) {
+  Random random(2);
+  for (int i = 0; i < 10000; i++) {
+    NodeBox parent;
+    for (int axis = 0; axis < 3; axis++) {
+      parent.lower[axis] = float(random.uniform());
+      parent.extent[axis] = float(random.uniform()) * (1 - parent.lower[axis]);
+    }
+    const uint32_t node = random.bits();
+    for (int c = 0; c < 4; c++) {
+      const NodeBox a = decodeChild(node, c, parent), b = decode(forms[0], node, c, parent);
+      for (int axis = 0; axis < 3; axis++) {
+        ASSERT_EQ(a.lower[axis], b.lower[axis]);
+        ASSERT_EQ(a.extent[axis], b.extent[axis]);
+      }
+    }
+  }
 }
 
 // Rounding moves a plane by at most one ulp of numbers from 1 to 2 per level (node.h).
@@ -168,6 +206,51 @@ TEST(NodeCodec, EveryPlaneIsTightestWithSlack) {
   for (unsigned n : taken) EXPECT_GT(n, 20u);
 }
 
+// Children that fill their quadrants: a code loses at most one step of its table.
+TEST(NodeCodec, RegularChildrenGetTightBounds) {
+  ExactBox children[4];
+  for (int c = 0; c < 4; c++)
+    for (int axis = 0; axis < 3; axis++) {
+      children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49 * childCoordinate(c, axis) : 0.3);
+      children[c].upper[axis] = children[c].lower[axis] + (axis < 2 ? 0.49 : 0.15);
+    }
+  const uint32_t node = encodeNode(rootBox(), children);
+  for (int c = 0; c < 4; c++) {
+    const NodeBox box = decodeChild(node, c, rootBox());
+    EXPECT_LE(box.extent[0], 0.55f);
+    EXPECT_LE(box.extent[1], 0.55f);
+    EXPECT_LE(box.extent[2], 0.5f);
+  }
+}
+
+// A box at a level below the root.
+NodeBox randomBox(Random& random, int level) {
+  NodeBox box = rootBox();
+  for (int i = 0; i < level; i++) box = decodeChild(random.bits(), int(random.below(4)), box);
+  return box;
+}
+
+TEST(NodeCodec, EveryFieldAffectsOnlyItsPlanes) {
+  // changing a field changes bounds of the axis it belongs to and of no other
+  Random random(6);
+  for (int bit = 0; bit < 32; bit++)
+    for (int level = 0; level < levels; level++) {
+      const int axis = bit < 10 ? 0 : bit < 20 ? 1 : 2;
+      const NodeBox parent = randomBox(random, level);
+      const uint32_t node = random.bits();
+      bool changed = false;
+      for (int c = 0; c < 4; c++) {
+        const NodeBox a = decodeChild(node, c, parent), b = decodeChild(node ^ (1u << bit), c, parent);
+        for (int k = 0; k < 3; k++) {
+          const bool differs = a.lower[k] != b.lower[k] || a.extent[k] != b.extent[k];
+          if (k == axis) changed |= differs;
+          else EXPECT_FALSE(differs) << "bit " << bit << ", child " << c << ", axis " << k << ", level " << level;
+        }
+      }
+      EXPECT_TRUE(changed) << "bit " << bit << ", level " << level;
+    }
+}
+
 // --- the tables of the traversal ---------------------------------------------------------
 
 // Planes of a child from the tables, in the parent's extents.
@@ -179,6 +262,31 @@ void lookUp(const NodeTables& tables, uint32_t node, int child, float lower[3], 
   const float* z = tables.zPlanes[(node >> (zShift + 2 * zBits * (child >> 1))) & 63];
   lower[2] = z[child & 1];
   upper[2] = z[2 + (child & 1)];
+}
+
+struct Bounds {
+  double lower[3], upper[3];
+};
+
+Bounds boundsOf(const NodeBox& box) {
+  Bounds bounds;
+  for (int axis = 0; axis < 3; axis++) {
+    bounds.lower[axis] = box.lower[axis];
+    bounds.upper[axis] = double(box.lower[axis]) + double(box.extent[axis]);
+  }
+  return bounds;
+}
+
+Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bounds& parent) {
+  float lower[3], upper[3];
+  lookUp(tables, node, c, lower, upper);
+  Bounds child;
+  for (int axis = 0; axis < 3; axis++) {
+    const double extent = parent.upper[axis] - parent.lower[axis];
+    child.lower[axis] = parent.lower[axis] + double(lower[axis]) * extent;
+    child.upper[axis] = parent.lower[axis] + double(upper[axis]) * extent;
+  }
+  return child;
 }
 
 // All planes are multiples of 1/256, so at the root both results are exact.
@@ -211,6 +319,41 @@ TEST(NodeTables, MasksOfFourExpandToMasksOfSixteen) {
       ASSERT_EQ((tables.firstOfFour[mask] >> bit) & 1, bit % 4 == 0 ? isSet : 0) << mask << " " << bit;
       ASSERT_EQ((tables.allOfFour[mask] >> bit) & 1, isSet) << mask << " " << bit;
     }
+}
+
+// Random paths reach parents that no word of the root describes. Three levels of multiples of 1/256 are floats,
+// multiples of 2^-24 below 1: there both decoders are exact if the parent's upper plane is at most 1. Deeper,
+// decodeChild has the error of one step per level.
+TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels) {
+  static const NodeTables tables;
+  Random random(5);
+  for (int path = 0; path < 4000; path++) {
+    NodeBox parent = rootBox();
+    Bounds exactParent = boundsOf(parent);
+    for (int level = 1; level <= levels; level++) {
+      const uint32_t node = random.bits();
+      const int next = int(random.below(4));
+      NodeBox nextBox = parent;
+      Bounds nextExact = exactParent;
+      for (int child = 0; child < 4; child++) {
+        const NodeBox box = decodeChild(node, child, parent);
+        const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, child, exactParent);
+        const double error = level <= 3 ? 0 : level * stepError;
+        for (int axis = 0; axis < 3; axis++) {
+          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error)
+              << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error)
+              << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+        }
+        if (child == next) {
+          nextBox = box;
+          nextExact = exact;
+        }
+      }
+      parent = nextBox;
+      exactParent = nextExact;
+    }
+  }
 }
 
 }} // namespace programs::test

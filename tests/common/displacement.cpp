@@ -285,6 +285,34 @@ TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced) {
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
 }
 
+TEST_F(Displacing, MissingTilesAreNamedWithTheSpellingThatExists) {
+  const auto errorFor = [&](const std::string& name) { return errorOf(quadsOnTiles(), (folder / name).string()); };
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  EXPECT_TRUE(
+      containsInOrder(errorFor("skin_<uvtile>.exr"), {in("skin_<uvtile>.exr"), "1002", in("skin_u1_v0.exr"),
+                                                      "<UDIM> is 1002", "<UVTILE> is u2_v1", "<uvtile> is u1_v0"}));
+  EXPECT_TRUE(containsInOrder(errorFor("skin_u<U>_v<V>.exr"), {"1002", in("skin_uu2_vv1.exr")}));
+  const std::pair<const char*, std::vector<std::pair<const char*, const char*>>> existing[] = {
+      {"skin_u2_v1.exr",
+       {{"skin_<uvtile>.exr", "skin_<UVTILE>.exr"},
+        {"skin_<UDIM>.exr", "skin_<UVTILE>.exr"},
+        {"skin_u<U>_v<V>.exr", "skin_<U>_<V>.exr"},
+        {"skin_<u>_<v>.exr", "skin_<UVTILE>.exr"}}},
+      {"skin_u1_v0.exr", {{"skin_<UVTILE>.exr", "skin_<uvtile>.exr"}, {"skin_u<u>_v<v>.exr", "skin_<u>_<v>.exr"}}},
+      {"skin_1002.exr", {{"skin_<UVTILE>.exr", "skin_<UDIM>.exr"}, {"skin_<uvtile>.exr", "skin_<UDIM>.exr"}}}};
+  for (const auto& [file, spellings] : existing) {
+    path(flat(8, 0.75f), file);
+    for (const auto& [given, expected] : spellings)
+      EXPECT_TRUE(containsInOrder(errorFor(given), {in(given), "1002", in(file) + " exists", in(expected)})) << given;
+    std::filesystem::remove(folder / file);
+  }
+  path(flat(8, 0.75f), "skin_u1_v1.exr"); // tile 1001 from 1, tile 1012 from 0
+  path(flat(8, 0.75f), "skin_u1_v0.exr");
+  EXPECT_TRUE(containsInOrder(
+      warningsOf(quadsOnTiles(), in("skin_<uvtile>.exr")),
+      {"1001", in("skin_u0_v0.exr"), "1 face", in("skin_u1_v1.exr") + " exists", in("skin_<UVTILE>.exr")}));
+}
+
 TEST_F(Displacing, FileWithAPlaceholderInItsNameIsOneMap) {
   const std::string skin = path(flat(8, 0.75f), "skin_<UDIM>.exr");
   path(flat(8, 1.5f), "skin_1002.exr");

@@ -77,6 +77,76 @@ std::string integersOf(std::vector<double> channels) {
   return bytesOf(samples);
 }
 
+struct PixelType {
+  const char* name;
+  unsigned bits, format;
+  std::string (*pixel)(std::vector<double> channels); // channels from 0 to 1
+  double greatest;                                    // the stored value of 1
+};
+
+const PixelType pixelTypes[] = {{"uint8", 8, 1, integersOf<uint8_t>, 255},
+                                {"int8", 8, 2, integersOf<int8_t>, 127},
+                                {"uint16", 16, 1, integersOf<uint16_t>, 65535},
+                                {"int16", 16, 2, integersOf<int16_t>, 32767},
+                                {"uint32", 32, 1, integersOf<uint32_t>, 4294967295},
+                                {"int32", 32, 2, integersOf<int32_t>, 2147483647},
+                                {"half", 16, 3, pixelOf<half>, 1},
+                                {"float", 32, 3, pixelOf<float>, 1},
+                                {"double", 64, 3, integersOf<double>, 1}};
+
+struct PixelLayout {
+  const char* name;
+  unsigned samples, photometric;
+  int extra;
+  bool isPlanar;
+  unsigned tile;
+};
+
+const PixelLayout pixelLayouts[] = {{"gray", 1, 1, -1, false, 0},      {"gray tiled", 1, 1, -1, false, 16},
+                                    {"gray alpha", 2, 1, 2, false, 0}, {"gray associated", 2, 1, 1, false, 0},
+                                    {"RGB", 3, 2, -1, false, 0},       {"RGB tiled", 3, 2, -1, false, 16},
+                                    {"RGB planar", 3, 2, -1, true, 0}, {"RGB planar tiled", 3, 2, -1, true, 16},
+                                    {"RGBA", 4, 2, 2, false, 0},       {"RGBA associated", 4, 2, 1, false, 0},
+                                    {"RGBA planar", 4, 2, 2, true, 0}, {"RGB and another", 4, 2, 0, false, 0}};
+
+TEST_F(MapFormats, TiffOfEveryTypeAndLayoutIsReadOrRejectedByName) {
+  for (const PixelType& type : pixelTypes)
+    for (const PixelLayout& l : pixelLayouts)
+      for (bool isBigEndian : {false, true})
+        for (bool isBigTiff : {false, true}) {
+          SCOPED_TRACE(std::string(type.name) + " " + l.name + (isBigEndian ? " big-endian" : "") +
+                       (isBigTiff ? " BigTIFF" : ""));
+          TiffLayout t;
+          t.width = t.height = size;
+          t.bits = type.bits;
+          t.format = type.format;
+          t.photometric = l.photometric;
+          t.samples = l.samples;
+          t.extra = l.extra;
+          t.isPlanar = l.isPlanar;
+          t.tile = l.tile;
+          t.isBigEndian = isBigEndian;
+          t.isBigTiff = isBigTiff;
+          std::vector<double> pixel;
+          for (double x : {0.2, 0.4, 0.6, 0.25}) // two samples: gray and its alpha
+            pixel.push_back(std::floor(1024 * x) / 1024 * type.greatest);
+          pixel.resize(l.samples);
+          const std::string path = pathOf("map.tif");
+          writeTiff(path, t, repeated(type.pixel(pixel)));
+          const float expected = float(std::floor(type.format == 3 ? 1024 * pixel[0] : pixel[0]) /
+                                       (type.format == 3 ? 1024 : type.greatest));
+          const Sample found = sampleAt(path, 0.4f, 0.7f);
+          if (type.bits == 64 && l.tile) {
+            EXPECT_TRUE(containsInOrder(found.error, {path, "tiles", "double"}));
+            continue;
+          }
+          EXPECT_NEAR(found.height, expected, 2e-6) << found.error;
+          EXPECT_NEAR(found.mean, expected, 2e-6);
+          EXPECT_EQ(found.error + found.warnings, "");
+          EXPECT_NEAR(HeightMap::read(path).at(size - 1, size - 1), expected, 1e-6);
+        }
+}
+
 TEST_F(MapFormats, SignedIntegersRangeFromMinusOneToOne) {
   for (unsigned bits : {8u, 16u, 32u})
     for (double height : {-1.0, -0.25, 0.0, 0.5, 1.0}) {

@@ -107,6 +107,17 @@ TEST(Scenes, SmallScenesAreClosedAndContinuous) {
   }
 }
 
+TEST(Scenes, AmplitudeScalesTheDisplacement) {
+  const Model once = makeScythe(0.01f), fivefold = makeScythe(0.05f);
+  for (float u : {0.25f, 0.5f, 0.8125f}) {
+    float a, b;
+    once.displacement->offsets({30, 6, 1, &u, &u}, &a);
+    fivefold.displacement->offsets({30, 6, 1, &u, &u}, &b);
+    EXPECT_NEAR(b, 5.0f * a, 1e-5f);
+    EXPECT_NE(a, 0.0f);
+  }
+}
+
 class Trex : public testing::Test {
 protected:
   static void SetUpTestSuite() { trex = new TrexCage(makeTrexCage()); }
@@ -120,6 +131,43 @@ TEST_F(Trex, CageIsClosedWithSixToEightThousandQuads) {
   EXPECT_LE(trex->cage.numFaces(), 8000u);
   EXPECT_EQ(trex->parts.size(), trex->cage.numFaces());
   expectClosedCage(trex->cage);
+}
+
+TEST_F(Trex, BodyIsOnePieceAndHasManyExtraordinaryVertices) {
+  const std::vector<std::vector<size_t>> pieces = connectedPieces(trex->cage);
+  size_t skin = 0, teeth = 0, claws = 0;
+  for (const std::vector<size_t>& piece : pieces) {
+    skin += trex->parts[piece[0]] == TrexPart::Skin;
+    teeth += trex->parts[piece[0]] == TrexPart::Tooth;
+    claws += trex->parts[piece[0]] == TrexPart::Claw;
+  }
+  EXPECT_EQ(skin, 1u);
+  EXPECT_EQ(teeth, 60u);
+  EXPECT_EQ(claws, 12u);
+  std::vector<int> valence(trex->cage.positions.size());
+  for (unsigned v : trex->cage.faceIndices) valence[v]++;
+  size_t extraordinary = 0;
+  for (int v : valence) extraordinary += v != 4;
+  EXPECT_GT(extraordinary, 1000u);
+}
+
+TEST_F(Trex, SkinIsContinuousAndUsesItsRange) {
+  const FaceAtlas atlas = FaceAtlas::forFaces(trex->cage.numFaces(), 8);
+  HeightMap map = bakeTiles(
+      trex->cage, atlas, {"skin", 0, [&](const LimitPoint& p) { return trexHeight(trex->parts[p.face], p.position); }});
+  float low = 1, high = 0;
+  for (int y = 0; y < map.height(); y++)
+    for (int x = 0; x < map.width(); x++) {
+      low = std::min(low, map.at(x, y));
+      high = std::max(high, map.at(x, y));
+    }
+  EXPECT_GE(low, 0.0f);
+  EXPECT_LE(high, 1.0f);
+  EXPECT_LT(low, 0.15f);
+  EXPECT_GT(high, 0.8f);
+  const auto d = displaceByAtlas(trex->cage, atlas, map, 1.0f);
+  expectContinuous(trex->cage, *d, 3, 0.01f);
+  expectContinuous(trex->cage, *d, 2, 0.0f);
 }
 
 TEST_F(Trex, ChartsDoNotOverlapAndAreFew) {
@@ -257,6 +305,23 @@ TEST(DicedSurface, RefinementToLevel0IsOnlyOfQuads) {
   }
 }
 
+std::string complaint(const SceneSettings& settings) {
+  try {
+    validateScene(settings);
+  } catch (const Error& e) { return e.what(); }
+  return "";
+}
+
+TEST(Catalogue, UnknownNamesListTheKnownOnes) {
+  SceneSettings s;
+  s.scene = "teapot";
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--scene 'teapot'", "cube", "frog", "herd", "knee", "scythe", "trex"}));
+  for (const std::string& name : sceneNames()) {
+    s.scene = name;
+    EXPECT_EQ(complaint(s), "");
+  }
+}
+
 TEST(Catalogue, DisplacementAmplitudeIsTheGivenOneOrTheDefault) {
   SceneSettings s;
   s.cagePath = "body.obj";
@@ -272,6 +337,39 @@ TEST(Catalogue, DisplacementAmplitudeIsTheGivenOneOrTheDefault) {
   SceneSettings cube;
   cube.scene = "cube";
   EXPECT_EQ(withDefaultAmplitude(cube).amplitude, cubeAmplitude);
+}
+
+TEST(Catalogue, DisplacementBeyondEmbreesCoordinatesNamesItsScale) {
+  std::string warnings;
+  SceneSettings s;
+  s.scene = "cube";
+  for (float amplitude : {1e38f, 1e18f, -1e18f}) try {
+      s.amplitude = amplitude;
+      loadScene(s, warnings);
+      ADD_FAILURE() << amplitude;
+    } catch (const Error& e) {
+      std::ostringstream value;
+      value << "--amplitude " << amplitude << " ";
+      EXPECT_TRUE(containsInOrder(e.what(), {value.str(), "e+16"}));
+    }
+  s.amplitude = 1e10f;
+  EXPECT_NO_THROW(loadScene(s, warnings));
+}
+
+TEST(Catalogue, OptionsBelongToTheirScenes) {
+  SceneSettings s;
+  s.scene = "cube";
+  s.count = 3;
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--count ", "--scene herd"}));
+  s.scene = "herd";
+  EXPECT_EQ(complaint(s), "");
+  s.count = 0;
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--count 0 ", " 1 ", std::to_string(maxHerdCount)}));
+  s.count = 2;
+  s.mapping = "sphere";
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--mapping 'sphere'", "faces", "atlas"}));
+  s.mapping = "atlas";
+  EXPECT_EQ(complaint(s), "");
 }
 
 }} // namespace programs::test

@@ -128,6 +128,40 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons) {
                                      " 64 quads that are too few to matter", " 100 triangles ", " few "}));
 }
 
+// Static and moving surfaces have a line each. If there is only one line, it lists the uncompressed geometries of both.
+TEST(CommitLine, ListsEachUncompressedGeometryOnce) {
+  Random random(1);
+  const DicedMesh fixed = meshOf(dicedSheet(1, 8), QuadOrder::Rows, random),
+                  moving = meshOf(dicedSheet(1, 4), QuadOrder::Rows, random);
+  const std::string fixedText = " 64 quads ", movingText = " 16 quads ", sumText = " 80 quads ";
+  for (unsigned sorts : {1u, 2u, 3u}) {
+    const bool hasStatic = sorts & 1, hasMoving = sorts & 2;
+    const std::string text = commitTextOf("", [&](RTCDevice device, RTCScene scene) {
+      attach(scene, newMesh(device, fixed));
+      attach(scene, newMesh(device, moving, RTC_COMPRESSION_INHERIT, 0, 2));
+      if (hasStatic) attach(scene, newGrids(device, dicedSheet(2, 32)));
+      if (hasMoving) attach(scene, newGrids(device, dicedSheet(2, 32), RTC_COMPRESSION_INHERIT, 0, 2));
+    });
+    SCOPED_TRACE(text);
+    size_t numLines = 0;
+    std::vector<size_t> linesOfFixed, linesOfMoving, linesOfBoth;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find("Embree would use about") == std::string::npos) continue; // the commit of a geometry
+      if (line.find(fixedText) != std::string::npos) linesOfFixed.push_back(numLines);
+      if (line.find(movingText) != std::string::npos) linesOfMoving.push_back(numLines);
+      if (line.find(sumText) != std::string::npos) linesOfBoth.push_back(numLines);
+      numLines++;
+    }
+    EXPECT_EQ(numLines, size_t(hasStatic) + size_t(hasMoving));
+    const size_t each = numLines == 2 ? 1 : 0;
+    ASSERT_EQ(linesOfFixed.size(), each);
+    ASSERT_EQ(linesOfMoving.size(), each);
+    ASSERT_EQ(linesOfBoth.size(), 1 - each);
+    if (each) { EXPECT_NE(linesOfFixed, linesOfMoving) << "the line of its own sort lists a geometry"; }
+  }
+}
+
 TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid) {
   const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings,
                          const Cage& cage = cubeCage()) {
@@ -182,6 +216,31 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid) {
   settings.edgeRates[0] = 16;
   const std::string kept = lineOf("voxel,verbose", "", settings, needle);
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
+}
+
+// At all time steps.
+TEST(CommitLine, ReportsTheLargestMovementOfAVertex) {
+  Random random(3);
+  for (const char* config : {"cbvh_max_error=0.0015", "cbvh_max_error=0.01", "cbvh_max_error=0"})
+    for (unsigned timeSteps : {1u, 3u}) {
+      SCOPED_TRACE(testing::Message() << config << ", " << timeSteps << " time steps");
+      DicedMesh mesh = jittered(meshOf(dicedSheet(2, 64), QuadOrder::Rows, random), random, 0.001);
+      mesh.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.3f * float(step) * p[0]}; };
+      const auto add = [&](RTCDevice device, RTCScene scene) {
+        attach(scene, newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, timeSteps));
+      };
+      const std::string line = commitLineOf(config, add);
+      const size_t at = line.find("vertices move by up to ");
+      const Environment set("1");
+      const Device device(config);
+      Scene scene(device);
+      add(device, scene);
+      rtcCommitScene(scene);
+      const double moved = statisticsOf(scene).maxVertexDeviation;
+      EXPECT_EQ(moved > 0, std::string(config) != "cbvh_max_error=0");
+      ASSERT_EQ(at != std::string::npos, moved > 0) << line;
+      if (moved > 0) { EXPECT_NEAR(std::stod(line.substr(at + 23)), moved, 0.005 * moved) << line; }
+    }
 }
 
 TEST(InvalidQuads, AreReportedWithTheirReasons) {

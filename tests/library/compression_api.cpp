@@ -271,6 +271,17 @@ TEST(Settings, NamesOfKindsDoNotDependOnTheLocale) {
   EXPECT_EQ(representation("subdiv_accel=CBVH.GRID"), expected);
 }
 
+TEST(Settings, GeometriesCanOptOutOfEveryKind) {
+  for (const char* name : {"cvert", "vert", "cbvh.vert", "CBVH"}) {
+    Device device(std::string("subdiv_accel=") + name);
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_NONE;
+    const SurfaceScene scene(device, cubeCage(), settings);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << name << ": " << device.message;
+    EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
+  }
+}
+
 TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue) {
   const std::pair<const char*, const char*> cases[] = {{"foo", "foo"},
                                                        {"leaf,frame_level=9", "9"},
@@ -402,6 +413,19 @@ TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes) {
   addSurface(device, scene, cubeCage(), settings);
   rtcGetSceneCompressionStatistics(scene, &stats);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+}
+
+TEST(GetSceneCompressionStatistics, IsAllZeroWithoutCompression) {
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcCommitScene(scene);
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  const RTCCompressionStatistics none = RTCCompressionStatistics();
+  EXPECT_EQ(std::memcmp(&stats, &none, offsetof(RTCCompressionStatistics, maxLeafThickness) + sizeof(float)), 0);
 }
 
 TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification) {

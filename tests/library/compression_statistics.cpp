@@ -65,6 +65,25 @@ TEST(CompressionStatistics, AddUpOverSurfaces) {
   EXPECT_GE(both.topLevelBytes, std::max(alone[0].topLevelBytes, alone[1].topLevelBytes));
 }
 
+// Blocks are aligned to 16 bytes.
+TEST(CompressionStatistics, BytesOfBlocksIncludePadding) {
+  Device device;
+  Displacement displacement;
+  const Cage cage = quadCage();
+  for (RTCCompression kind : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF})
+    for (int height = 0; height <= 3; height++) {
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.compression = kind;
+      settings.rate = 8;
+      settings.frameLevel = 3 - height;
+      const RTCCompressionStatistics s = statisticsOf(device, {{&cage, &settings}});
+      EXPECT_EQ(s.numBlocks, size_t(64) >> 2 * height);
+      EXPECT_EQ((s.headerBytes + s.nodeBytes + s.leafBytes) / s.numBlocks % 16, 0u)
+          << "height " << height << ", kind " << kind;
+    }
+}
+
 // The corners of a trapezoid have a projective map; the corners of a dented quad have none.
 TEST(CompressionStatistics, AffineBlocksAreCounted) {
   Device device;

@@ -31,7 +31,7 @@ if words == ["--about"]:
     sys.exit(0)
 value = lambda name: words[words.index(name) + 1]
 device = value("--device") if "--device" in words else ""
-scene = value("--scene")
+scene = value("--scene") if "--scene" in words else os.path.basename(value("--cage"))
 with open(folder + "/calls", "a") as calls:
     calls.write(scene + " " + value("--level") + (" " + device if device else "") + "\\n")
 if device and mode == "no device":
@@ -155,6 +155,9 @@ class Benchmark(unittest.TestCase):
         for words, message in (
             (["slow"], "set 'slow'.*quick"),
             (["quick", "--scene", "teapot"], "scene 'teapot'.*cube, trex"),
+            (["--cage", "missing.obj"], r"missing\.obj: "),
+            (["--cage", str(SCRIPT), "--height", "missing.exr"], r"missing\.exr: "),
+            (["--height", "x.exr"], "--height .*--cage"),
             (["gpu", "--device", "nvidia"], "--device 'nvidia'.*vulkan:N"),
             (["--bench", "nothing"], "nothing: .*program"),
         ):

@@ -113,6 +113,13 @@ class Report(unittest.TestCase):
             ]  # a mean over levels needs all of them, too
             self.assertEqual(set(missing), {None})
 
+    def test_own_cage_is_not_compared_with_the_paper(self):
+        record = self.record()
+        record["run"]["command"] = record["run"]["command"].replace("--scene cube", "--cage cube.obj")
+        found = self.sections(self.folder("own", cube=record))
+        self.assertIn("cube", found)
+        self.assertFalse({"The paper's statements", "GPU"} & set(found))
+
     def test_devices_and_other_machines_are_only_in_their_sections(self):
         device, elsewhere = self.record(), self.record()
         for group in device["groups"]:

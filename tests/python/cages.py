@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cages from arrays match those from files, and errors name the invalid array."""
 
+import inspect
 import os
 import tempfile
 import unittest
@@ -124,6 +125,17 @@ class Cages(unittest.TestCase):
         without = cbvh.Cage(a.vertices, a.indices, a.face_vertex_counts, uvs=a.uvs, uv_indices=np.full(24, none))
         self.assertEqual(without.uv_indices.shape, (0,))
 
+    def test_creases_shape_the_surface(self):
+        edges = [[0, 1], [1, 2], [2, 3], [3, 0]]
+        smooth, hard, soft = ({}, {"crease_edges": edges}, {"crease_edges": edges, "crease_sharpness": 0.5})
+        cube = self.load(CUBE)
+        cages = [
+            cbvh.Cage(cube.vertices, cube.indices, cube.face_vertex_counts, **tags) for tags in (smooth, soft, hard)
+        ]
+        tops = [cbvh.build(cage, "grid", 4).bounds[1, 2] for cage in cages]
+        self.assertLess(tops[0], tops[1])
+        self.assertLess(tops[1], tops[2])
+
     def test_rows_of_faces_are_the_same_as_sizes(self):
         vertices, faces = sheet_arrays()
         a, b = cbvh.Cage(vertices, faces), cbvh.Cage(vertices, faces.ravel(), np.full(len(faces), 4))
@@ -214,6 +226,20 @@ class Cages(unittest.TestCase):
         with self.assertRaisesRegex(cbvh.Error, r"cube.obj:14: vertex index 55 .* 8 "):
             self.load(CUBE.replace("f 6/1 5/2", "f 6/1 55/2"))
         self.assertTrue(issubclass(cbvh.Error, ValueError))
+
+
+class Documentation(unittest.TestCase):
+    def test_all_public_names_have_docstrings(self):
+        self.assertIn("cbvh.build", cbvh.__doc__)
+        for name, member in vars(cbvh).items():
+            if name.startswith("_"):
+                continue
+            self.assertTrue(inspect.getdoc(member), name)
+            for part, attribute in vars(member).items() if inspect.isclass(member) else ():
+                if not part.startswith("_"):
+                    text = inspect.getdoc(attribute) or ""
+                    lines = [line for line in text.splitlines() if line and not line.startswith(part + "(")]
+                    self.assertTrue(lines, f"{name}.{part}")
 
 
 if __name__ == "__main__":

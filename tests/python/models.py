@@ -142,6 +142,16 @@ class Seams(unittest.TestCase):
         inside = (np.abs(s % 1 - 0.5) <= 0.4) & (np.abs(t % 1 - 0.5) <= 0.4)
         return np.where(inside, np.asarray(of_charts)[(s // 1 + 3 * (t // 1)).astype(int)], outside)
 
+    def test_heights_outside_of_charts_do_not_matter(self):
+        expected = cbvh.Model(self.cage, np.full((4, 4), 0.75), amplitude=0.1).tessellate(4)[0]
+        for outside in (0, 10):
+            model = cbvh.Model(self.cage, self.heights([0.75] * 6, outside), amplitude=0.1)
+            np.testing.assert_allclose(model.tessellate(4)[0], expected, atol=1e-5)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                statistics = cbvh.build(model, "cvert", 4).statistics()
+            self.assertLess(statistics["seam_gap"], 1e-5)
+
     def test_charts_that_disagree_cause_a_warning(self):
         model = cbvh.Model(self.cage, self.heights([0.25, 0.75, 0.5, 0.5, 0.5, 0.5], 0), amplitude=0.1)
         with self.assertWarnsRegex(UserWarning, r"^box: .* quads at face \d.*seams"):
