@@ -14,6 +14,7 @@
  *   node_cache.h  traversal/thread_cache.cpp the cache of decoded nodes             no cache
  */
 
+#include "../base/block_validity.h"
 #include "../embree/traversal.h"
 
 namespace embree::isa::cbvh {
@@ -54,21 +55,29 @@ public:
                                  Entry* top) {
     if (unlikely(isFiltered))
       if (Entry* const deferred = deferToNearer(leaf, entryT, stack, top)) return deferred;
-    this->entryT = entryT;
     size_t type;
-    intersectBlock(ray, context, leaf.leaf(type));
+    const void* const block = leaf.leaf(type);
+    this->entryT = entryT;
+    if (isReady(ray, block)) intersectBlock(ray, context, block);
     return top;
   }
 
   /*! Returns true if a hit was accepted. */
   __forceinline bool occluded(Ray& ray, IntersectContext* context, const void* block) {
-    return intersectBlock(ray, context, block);
+    return isReady(ray, block) && intersectBlock(ray, context, block);
   }
 
   /*! Required after the traversal for closest hits: returns the ray's final tfar, see NearestHit. */
   __forceinline float finalTfar(float current) const { return likely(!hasState) ? current : nearestTfar(current); }
 
 private:
+  /*! Required before intersectBlock(). Returns false if the block is damaged. */
+  __forceinline bool isReady(const Ray& ray, const void* block) {
+    if (unlikely(!embree::cbvh::isBlockValid(block, embree::cbvh::FRAMED_BLOCK))) return false;
+    if (unlikely(!hasState)) begin(ray);
+    return true;
+  }
+
   float nearestTfar(float current) const;
   bool intersectBlock(RayHit& ray, IntersectContext* context, const void* block);
   bool intersectBlock(Ray& ray, IntersectContext* context, const void* block);

@@ -36,11 +36,9 @@ __noinline void FramedRay::begin(const Ray& ray) {
   hasState = true;
 }
 
-/*! Ends with a call of the kind's intersector, which is not inlined, for a short prologue. */
+/*! Only calls the kind's intersector, which is not inlined, so that compilers make it a jump. */
 template<typename RayType>
 __forceinline bool FramedRay::intersectByKind(RayType& ray, IntersectContext* context, const void* prim) {
-  if (unlikely(!isBlockValid(prim, FRAMED_BLOCK))) return false;
-  if (unlikely(!hasState)) begin(ray);
   const Block* const block = (const Block*)prim;
   RayState& own = *(RayState*)state;
   own.entryT = entryT;

@@ -12,65 +12,68 @@
 
 namespace embree::isa {
 namespace cbvh {
-/*! Leaves of the tree of surfaces at rest: blocks, and grids by Embree's intersector. */
+/*! State of a ray for the leaves of the tree of surfaces at rest. */
+struct StaticRay {
+  SubdivPatch1Intersector1::Precalculations grids;
+  FramedRay framed;
+  VertRay vert;
+
+  /*! isFiltered: filter functions must see hits in order, see FramedRay. */
+  __forceinline StaticRay(const Ray& ray, const void* bvh, bool isFiltered)
+    : grids(ray, bvh),
+      framed(ray.tfar, isFiltered) {}
+};
+
+/*! Leaves of the tree of surfaces at rest: blocks, and grids by Embree's intersector. Refers to the ray's state, whose
+ *  address intersectors get, so that compilers keep the other members in registers. */
 class StaticLeaves {
   typedef SubdivPatch1Intersector1 Grids;
   typedef TravRay<4, true> Tray;
 
 public:
-  /*! isFiltered: filter functions must see hits in order, see FramedRay. */
-  __forceinline StaticLeaves(const Accel::Intersectors* This, const Ray& ray, IntersectContext* context,
-                             bool isFiltered)
+  __forceinline StaticLeaves(const Accel::Intersectors* This, IntersectContext* context, StaticRay& state)
     : This(This),
       context(context),
-      grids(ray, This->ptr),
-      framed(ray.tfar, isFiltered) {}
+      state(state) {}
 
   /*! See traverseClosestHit1. */
   __forceinline StackEntry* intersect(RayHit& ray, const ReachedLeaf& leaf, const Tray& tray, StackEntry* stack,
                                       StackEntry* top) {
     size_t type;
     const void* const prim = leaf.ref.leaf(type);
-    if (unlikely(!isBlock(type))) {
-      size_t lazyNode = 0; // must be traversed next
-      Grids::intersect(This, grids, ray, context, (const GridSOA*)prim, type, tray, lazyNode);
-      return lazyNode ? push(top, BVH4::NodeRef(lazyNode), neg_inf) : top;
+    switch (likelyType(type)) {
+    case VERT_BLOCK: intersectVert(ray, context, state.vert, (const VertHeader*)prim); return top;
+    case MESH_BLOCK: intersectMesh(ray, context, state.vert, prim); return top;
+    case FRAMED_BLOCK: return state.framed.intersect(ray, context, leaf.ref, leaf.entryT(), stack, top);
     }
-    switch (BlockType(type)) {
-    case VERT_BLOCK: intersectVert(ray, context, vert, (const VertHeader*)prim); break;
-    case MESH_BLOCK: intersectMesh(ray, context, vert, prim); break;
-    case FRAMED_BLOCK: return framed.intersect(ray, context, leaf.ref, leaf.entryT(), stack, top);
-    }
-    return top;
+    // a grid of Embree
+    size_t lazyNode = 0; // must be traversed next
+    Grids::intersect(This, state.grids, ray, context, (const GridSOA*)prim, type, tray, lazyNode);
+    return lazyNode ? push(top, BVH4::NodeRef(lazyNode), neg_inf) : top;
   }
 
   /*! See traverseAnyHit1. */
   __forceinline bool isOccluded(Ray& ray, BVH4::NodeRef leaf, const Tray& tray, BVH4::NodeRef*& top) {
     size_t type;
     const void* const prim = leaf.leaf(type);
-    if (unlikely(!isBlock(type))) {
-      size_t lazyNode = 0;
-      if (Grids::occluded(This, grids, ray, context, (const GridSOA*)prim, type, tray, lazyNode)) return true;
-      if (lazyNode) *top++ = BVH4::NodeRef(lazyNode);
-      return false;
+    switch (likelyType(type)) {
+    case VERT_BLOCK: return intersectVert(ray, context, state.vert, (const VertHeader*)prim);
+    case MESH_BLOCK: return intersectMesh(ray, context, state.vert, prim);
+    case FRAMED_BLOCK: return state.framed.occluded(ray, context, prim);
     }
-    switch (BlockType(type)) {
-    case VERT_BLOCK: return intersectVert(ray, context, vert, (const VertHeader*)prim);
-    case MESH_BLOCK: return intersectMesh(ray, context, vert, prim);
-    case FRAMED_BLOCK: return framed.occluded(ray, context, prim);
-    }
+    // a grid of Embree
+    size_t lazyNode = 0;
+    if (Grids::occluded(This, state.grids, ray, context, (const GridSOA*)prim, type, tray, lazyNode)) return true;
+    if (lazyNode) *top++ = BVH4::NodeRef(lazyNode);
     return false;
   }
 
-  /*! The closest hit's distance, after the traversal. */
-  __forceinline float finalTfar(float tfar) const { return framed.finalTfar(tfar); }
-
 private:
+  static __forceinline BlockType likelyType(size_t type) { return BlockType(__builtin_expect(long(type), VERT_BLOCK)); }
+
   const Accel::Intersectors* This;
   IntersectContext* context;
-  Grids::Precalculations grids;
-  FramedRay framed;
-  VertRay vert;
+  StaticRay& state;
 };
 } // namespace cbvh
 
@@ -78,16 +81,18 @@ void CompressedSubdivTraversal1::intersect(const Accel::Intersectors* This, RayH
   const BVH4* bvh = (const BVH4*)This->ptr;
   if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
   const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
-  cbvh::StaticLeaves leaves(This, ray, context, isFiltered);
+  cbvh::StaticRay state(ray, bvh, isFiltered);
+  cbvh::StaticLeaves leaves(This, context, state);
   cbvh::traverseClosestHit1(bvh->root, cbvh::StaticNodes(), ray, leaves);
-  ray.tfar = leaves.finalTfar(ray.tfar);
+  ray.tfar = state.framed.finalTfar(ray.tfar);
 }
 
 void CompressedSubdivTraversal1::occluded(const Accel::Intersectors* This, Ray& ray, IntersectContext* context) {
   const BVH4* bvh = (const BVH4*)This->ptr;
   // tfar < 0: Embree's mark of an any-hit ray that has found a hit
   if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::isValidRay(ray))) return;
-  cbvh::StaticLeaves leaves(This, ray, context, false);
+  cbvh::StaticRay state(ray, bvh, false);
+  cbvh::StaticLeaves leaves(This, context, state);
   if (cbvh::traverseAnyHit1(bvh->root, cbvh::StaticNodes(), ray, leaves)) ray.tfar = neg_inf;
 }
 
