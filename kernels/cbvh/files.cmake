@@ -41,15 +41,20 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp
   cbvh/traversal/intersectorK.cpp
+  cbvh/traversal/moving_intersector1.cpp
   cbvh/traversal/point_query.cpp)
 
 if(NOT EMBREE_CBVH_NO_PAPER)
-  list(APPEND EMBREE_LIBRARY_FILES cbvh/paper/node_tables.cpp)
+  list(APPEND EMBREE_LIBRARY_FILES cbvh/paper/node_tables.cpp cbvh/paper/rays.cpp)
 endif()
 
 # Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
-  list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
+  list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp
+    cbvh/traversal/moving_intersector1.cpp)
+  if(NOT EMBREE_CBVH_NO_PAPER)
+    list(APPEND ${target} cbvh/paper/rays.cpp)
+  endif()
   # Upstream also selects its subdivision builder from the lowest ISA and AVX.
   if(${isa} EQUAL ${AVX})
     list(APPEND ${target} cbvh/building/builder.cpp)

@@ -6,7 +6,7 @@
 #include "codec/format_pages.h"
 #include "support/encoded_block.h"
 
-#include "kernels/cbvh/base/primitive_type.h"
+#include "kernels/cbvh/base/leaf_type.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 /* Compares the tables of the pages about cVERT blocks with the code. Tables of constants are generated here and must
  * occur literally on the page. vert_block.cpp tests the block of block_example.md. */
 
-#include "kernels/cbvh/base/primitive_type.h"
+#include "kernels/cbvh/base/leaf_type.h"
 #include "kernels/cbvh/paper/block.h"
 #include "kernels/cvert/format/motion.h"
 #include "kernels/cvert/encoder/lattice.h"
@@ -38,7 +38,6 @@ TEST(VertFormat, ConstantsMatchPages) {
                                {"alignment of a block, bytes", blockAlignment},
                                {"bytes after a block that decoders may read", vertReadPadding},
                                {"type of a block in the tree", VERT_BLOCK},
-                               {"type of a moving block in the tree", MOVING_VERT_BLOCK},
                                {"quads along a side of a block, at most", side},
                                {"quads along a side of a group, at most", groupQuads},
                                {"bytes of the header", vertHeaderBytes},

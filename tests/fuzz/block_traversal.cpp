@@ -15,7 +15,7 @@
 
 #include "fuzz_support.h"
 #include "kernels/cbvh/paper/block_encoder.h"
-#include "kernels/cbvh/traversal/leaf_intersectors1.h"
+#include "kernels/cbvh/paper/block_intersector1.h"
 
 #include <vector>
 

@@ -7,7 +7,7 @@
 
 #include "fuzz_traversal.h"
 #include "mesh_seeds.h"
-#include "kernels/cbvh/traversal/leaf_intersectors1.h"
+#include "kernels/cbvh/exact/moving_intersector1.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 
 #include <algorithm>

@@ -17,7 +17,7 @@
 #include "fuzz_traversal.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
 #include "kernels/cvert/decoder/validate.h"
-#include "kernels/cbvh/traversal/leaf_intersectors1.h"
+#include "kernels/cbvh/exact/moving_intersector1.h"
 
 #include <algorithm>
 #include <memory>

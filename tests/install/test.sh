@@ -103,17 +103,17 @@ for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags
   [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] ||
     fail "pkg-config embree_cbvh leads to our Embree"
 done
-mkdir "$work/beside"
-cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/capi/*.cpp "$here"/../../tutorials/capi/*.h "$work/beside/"
-"$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DHOST_EMBREE="$host" \
-  > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
+mkdir "$work/capi"
+cp "$here/capi/CMakeLists.txt" "$here"/../../tutorials/capi/*.cpp "$here"/../../tutorials/capi/*.h "$work/capi/"
+"$cmake" -S "$work/capi" -B "$work/capi/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DHOST_EMBREE="$host" \
+  > "$work/log" && "$cmake" --build "$work/capi/build" >> "$work/log" 2>&1 ||
   {
     cat "$work/log"
     fail "find_package has no embree_cbvh"
   }
-(cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) ||
+(cd "$work/capi" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) ||
   fail "a program with libembree_cbvh does not run"
-LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree[34].so.[34] => $stock" ||
+LD_LIBRARY_PATH="$stock" ldd "$work/capi/build/displaced_cage" | grep -q "libembree[34].so.[34] => $stock" ||
   fail "it runs on an Embree that is not the machine's"
 
 # --- pkg-config -----------------------------------------------------------------------------------

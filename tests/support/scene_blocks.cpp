@@ -3,7 +3,7 @@
 
 #include "support/scene_blocks.h"
 #include "kernels/bvh/bvh.h"
-#include "kernels/cbvh/base/primitive_type.h"
+#include "kernels/cbvh/base/leaf_type.h"
 #include "kernels/common/scene.h"
 
 namespace programs::test {

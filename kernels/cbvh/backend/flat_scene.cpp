@@ -4,10 +4,8 @@
 #define RTC_EXPORT_API
 
 #include "../embree/scene.h"
-#include "../paper/block.h"
 #include "../base/block_validity.h"
-#include "../base/primitive_type.h"
-#include "../blocks/block_bytes.h"
+#include "../blocks/block_table.h"
 #include "../blocks/report.h"
 #include "flat_scene.h"
 #include "../blocks/surface_blocks.h"
@@ -124,25 +122,21 @@ private:
                                         gridLeafReferenceType, ids[root->geomID()]});
       return copySubtree(root->root(), root, checkedIndex(out.ownBlocks.size() - 1), nodesAbove);
     }
-    if (type == MOVING_MESH_BLOCK)
+    const BlockType blockType = BlockType(type);
+    if (!isBlockValid(data, blockType))
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                     "the scene cannot be flattened: the file of one of its geometries has a damaged block");
+    const BlockRow row = rowOf(blockType);
+    const uint32_t childType = row.referenceType(data);
+    if (childType == numReferenceTypes)
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                      "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "
                      "faces lie in no grids; expected such meshes not to be compressed");
-    const bool moves = type == MOVING_VERT_BLOCK;
-    uint32_t* const reference = moves ? &movingBlocks[data] : nullptr;
+    uint32_t* const reference = row.moves(data) ? &movingBlocks[data] : nullptr;
     if (reference && *reference) return *reference;
-    if (!moves && !isBlockValid(data, formatOfBlock(type)))
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                     "the scene cannot be flattened: the file of one of its geometries has a damaged block");
-    const BlockFormat format = formatOfBlock(type);
     uint32_t surface;
-    memcpy(&surface, data + offsetOfSurface(format), sizeof(surface));
-    const uint32_t childType =
-        moves ? movingBlockReferenceType
-        : format == MESH_FORMAT
-            ? meshBlockReferenceType
-            : blockReferenceType(format == VERT_FORMAT ? kindVert : kindOf(((const BlockHeader*)data)->info));
-    out.ownBlocks.push_back(FlatBlock{data, bytesOfBlock(data, format), childType, ids[surface]});
+    memcpy(&surface, data + row.surface, sizeof(surface));
+    out.ownBlocks.push_back(FlatBlock{data, row.bytes(data), childType, ids[surface]});
     const uint32_t added = makeReference(childType, checkedIndex(out.ownBlocks.size() - 1));
     if (reference) *reference = added;
     return added;
@@ -246,8 +240,8 @@ FlatGeometry describe(Geometry* geometry, bool hasBlocks, OwnedScene& scene) {
 bool isMovingTree(BVH4::NodeRef root) {
   if (!root.isLeaf()) return !root.isAABBNode();
   size_t type;
-  root.leaf(type);
-  return isMovingBlock(type);
+  const void* const block = root.leaf(type);
+  return isBlock(type) && isBlockValid(block, BlockType(type)) && rowOf(BlockType(type)).moves(block);
 }
 
 std::unique_ptr<OwnedScene> flatten(Scene* scene) {

@@ -10,7 +10,7 @@
 #include "../embree/scene.h"
 #include "block_memory.h"
 #include "kinds.h"
-#include "primitive_type.h"
+#include "leaf_type.h"
 #include "step_box.h"
 #include "codec_names.h"
 #include "../../cvert/portable/world.h"
@@ -46,7 +46,7 @@ public:
     return bytes.data() + used;
   }
 
-  /*! Adds the block that was written to the space of the last reserve(). type: a PrimitiveType. readPadding: bytes
+  /*! Adds the block that was written to the space of the last reserve(). type: a BlockType. readPadding: bytes
    *  after the block that decoders may read. */
   void commit(size_t size, const BBox3fa& bounds, uint32_t type, size_t readPadding = 0) {
     pending.push_back(PendingBlock{used, bounds, type, readPadding});

@@ -4,11 +4,11 @@
 #pragma once
 
 /* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because a check when the
- * file is opened would read the whole file. Code that reads a static block must call isBlockValid first. Moving blocks
- * are checked when their geometry is loaded. */
+ * file is opened would read the whole file. Code that reads a block must call isBlockValid first, except for a moving
+ * one: moving blocks are checked when their geometry is loaded. */
 
 #include "../embree/simd.h"
-#include "primitive_type.h"
+#include "leaf_type.h"
 #include <atomic>
 #include <cstddef>
 
@@ -20,17 +20,17 @@ namespace embree::cbvh {
 extern std::atomic<size_t> mappedBegin, mappedBytes;
 
 /*! Returns false for a damaged block of a mapped file, and true for other memory in the range. */
-typedef bool (*BlockValidator)(const void* block, BlockFormat format);
+typedef bool (*BlockValidator)(const void* block, BlockType type);
 extern std::atomic<BlockValidator> mappedBlockValidator; //!< null until a file is mapped
 
 /*! True if a block may be decoded. Otherwise callers must treat it as empty; the device receives one error per
  *  geometry. */
-__forceinline bool isBlockValid(const void* block, BlockFormat format) {
+__forceinline bool isBlockValid(const void* block, BlockType type) {
   const size_t begin = mappedBegin.load(std::memory_order_acquire);
   if (likely(size_t(block) - begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
   /* Relaxed: while another thread maps the first file, this thread may see the range but no function yet. `block`
    * is then not mapped, because rays reach mapped blocks only after the commit of their scene. */
   const BlockValidator isValid = mappedBlockValidator.load(std::memory_order_relaxed);
-  return !isValid || isValid(block, format);
+  return !isValid || isValid(block, type);
 }
 } // namespace embree::cbvh

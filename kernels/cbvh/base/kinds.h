@@ -5,7 +5,7 @@
  * Blocks with frames store the number of their kind (paper/block.h), which also determines references (reference.h)
  * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *
- * Code in framed/ that selects by kind: block_encoder.h, framed_rays1.h, framed_raysK.h, and in vulkan/shaders
+ * Code in paper/ that selects by kind: block_encoder.h, rays.cpp, and in vulkan/shaders
  * cbvh.glsl and framed_block.glsl. Exceptions for single kinds:
  *
  *   cGRID   paper/writer.h: some blocks without a valid frame become cGRID. paper/block_bounds.h: the bounds of its
@@ -18,8 +18,8 @@
  * To remove a kind, remove this code, its folder, its number, its bit in framedKinds and its row of kindDescriptions.
  * Its row of kindFormats must stay, because the rows are indexed by number. */
 
-#ifndef CBVH_KINDS_H
-#define CBVH_KINDS_H
+#ifndef CBVH_BASE_KINDS_H
+#define CBVH_BASE_KINDS_H
 
 #include "codec_names.h"
 #include "../../cvert/format/limits.h"

@@ -5,7 +5,6 @@
 #include "../embree/scene.h"
 #include "../../cvert/clusters/compressed1.h"
 #include "../../cvert/clusters/dgf_tiling.h"
-#include "../../cvert/format/mesh_motion.h"
 #include "surface_blocks.h"
 #include <algorithm>
 #include <memory>
@@ -14,14 +13,9 @@ namespace embree::cbvh {
 namespace {
 /*! Why clusters of a block may need floats. */
 ClusterReason reasonForFloatsOf(const StoredBlock& block) {
-  if (block.isMesh()) {
-    if (isMovingMesh(block.mesh())) return ClusterReason::MOVING;
-    return hasRanksOnAnyAxis(block.mesh()->spacings) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE;
-  }
-  if (!block.isVert()) return ClusterReason::FLOATS;
-  if (isMoving(block.vert()->info)) return ClusterReason::MOVING;
-  const bool hasFloats = isRaw(block.vert()->info) || hasRemainders(block.vert()->info);
-  return hasFloats ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE;
+  const BlockRow row = rowOf(block.type);
+  if (row.moves(block.data)) return ClusterReason::MOVING;
+  return row.hasFloats(block.data) ? ClusterReason::FLOATS : ClusterReason::OUT_OF_RANGE;
 }
 
 class ClusterBuilder {

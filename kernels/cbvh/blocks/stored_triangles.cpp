@@ -3,7 +3,6 @@
 
 #include "stored_triangles.h"
 #include "../base/block_validity.h"
-#include "../base/primitive_type.h"
 #include "../embree/scene.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "vertices_at_time.h"
@@ -26,12 +25,12 @@ bool forEachBlock(BVH4::NodeRef ref, const Closure& closure) {
   }
   size_t type;
   const void* block = ref.leaf(type);
-  if (isBlock(type) && !isMovingBlock(type) && !isBlockValid(block, formatOfBlock(type)))
+  if (isBlock(type) && !isBlockValid(block, BlockType(type)))
     throw_RTCError(RTC_ERROR_INVALID_OPERATION, "the geometry's file is damaged: one of its blocks cannot be decoded");
   if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::CGRID))
     throw_RTCError(RTC_ERROR_INVALID_OPERATION, "the triangles of the geometry cannot be read: expected all of it "
                                                 "to be stored as cVERT or cGRID");
-  return closure(StoredBlock{block, formatOfBlock(type)});
+  return closure(StoredBlock{block, BlockType(type)});
 }
 
 /*! Calls closure(block) until it returns false. Later blocks are not read. */
@@ -51,22 +50,18 @@ struct BlockPosition {
   bool hasEdgeRates; //!< the block stores the rates of the patch's edges, which may be lower than patchQuads
   VertEdges edges;
 
-  explicit BlockPosition(const StoredBlock& stored) : hasEdgeRates(false), edges{0, 0} {
-    if (stored.isVert()) {
-      const VertHeader* block = stored.vert();
-      patchQuads[0] = patchQuadsX(block->patchQuads);
-      patchQuads[1] = patchQuadsY(block->patchQuads);
-      first[0] = vertFirstX(block->region);
-      first[1] = vertFirstY(block->region);
-      quads[0] = vertQuadsX(block->region);
-      quads[1] = vertQuadsY(block->region);
-      hasEdgeRates = hasEdges(block->info);
-      edges = edgesOf(block);
-      corner[0] = 0.5f * float(vertCornerU(edges));
-      corner[1] = 0.5f * float(vertCornerV(edges));
-      return;
-    }
-    const Block* block = stored.framed();
+  explicit BlockPosition(const VertHeader* block) : hasEdgeRates(hasEdges(block->info)), edges(edgesOf(block)) {
+    patchQuads[0] = patchQuadsX(block->patchQuads);
+    patchQuads[1] = patchQuadsY(block->patchQuads);
+    first[0] = vertFirstX(block->region);
+    first[1] = vertFirstY(block->region);
+    quads[0] = vertQuadsX(block->region);
+    quads[1] = vertQuadsY(block->region);
+    corner[0] = 0.5f * float(vertCornerU(edges));
+    corner[1] = 0.5f * float(vertCornerV(edges));
+  }
+
+  explicit BlockPosition(const Block* block) : hasEdgeRates(false), edges{0, 0} {
     patchQuads[0] = block->quadsX();
     patchQuads[1] = block->quadsY();
     first[0] = blockXOf(block->info) << block->height();
@@ -91,17 +86,25 @@ struct ParametrizedBlock {
   std::vector<std::array<float, 3>> vertices; //!< row by row
   std::vector<std::array<float, 2>> parameters;
 
-  ParametrizedBlock(const StoredBlock& stored, const TraversalTime& time) : position(stored) {
+  ParametrizedBlock(const VertHeader* block, const TraversalTime& time) : position(block) {
+    setParameters();
+    memcpy(vertices.data(), VerticesAtTime(block, time).vertices, vertices.size() * sizeof(vertices[0]));
+  }
+
+  /*! block: cGRID, which does not move. */
+  ParametrizedBlock(const Block* block, const TraversalTime&) : position(block) {
+    setParameters();
+    const float* const planes = (const float*)block->leaves();
+    for (size_t i = 0; i < vertices.size(); i++)
+      for (int k = 0; k < 3; k++) vertices[i][k] = planes[k * vertices.size() + i];
+  }
+
+private:
+  /*! Also sets the number of vertices. */
+  void setParameters() {
     const uint32_t width = position.quads[0] + 1, count = width * (position.quads[1] + 1);
     vertices.resize(count);
     parameters.resize(count);
-    if (stored.isVert())
-      memcpy(vertices.data(), VerticesAtTime(stored.vert(), time).vertices, count * sizeof(vertices[0]));
-    else {
-      const float* const planes = (const float*)stored.framed()->leaves();
-      for (uint32_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++) vertices[i][k] = planes[k * count + i];
-    }
     for (uint32_t i = 0; i < count; i++) {
       const uint32_t x = position.first[0] + i % width, y = position.first[1] + i / width;
       parameters[i][0] = position.corner[0] + vertParameter<float>(x, position.patchQuads[0], position.rate(0, y));
@@ -118,8 +121,12 @@ void forEachQuad(const VertHeader* block, const Closure& closure) {
 
 /*! False if the time is outside of a moving block's time range. */
 bool isPresent(const StoredBlock& block, const TraversalTime& time) {
-  if (block.isMesh()) return MeshAtTime::isPresent(block.mesh(), time);
-  return !block.isVert() || VerticesAtTime::isPresent(block.vert(), time);
+  switch (block.type) {
+  case FRAMED_BLOCK: return true;
+  case VERT_BLOCK: return VerticesAtTime::isPresent(block.vert(), time);
+  case MESH_BLOCK: return MeshAtTime::isPresent(block.mesh(), time);
+  }
+  return false;
 }
 
 /*! Calls closure(number, corners) for each triangle of a mesh block. number: primitiveOfMesh() returns its
@@ -155,9 +162,14 @@ public:
   /*! block: must contain the primitive. */
   void searchBlock(const StoredBlock& block, uint32_t primID) {
     if (!isPresent(block, time)) return;
-    if (block.isMesh()) searchMesh(block.mesh(), primID);
-    else if (block.areQuadsPrimitives()) searchByPrimitive(block.vert(), primID);
-    else searchByParameters(block);
+    switch (block.type) {
+    case FRAMED_BLOCK: searchByParameters(block.framed()); break;
+    case VERT_BLOCK:
+      if (block.areQuadsPrimitives()) searchByPrimitive(block.vert(), primID);
+      else searchByParameters(block.vert());
+      break;
+    case MESH_BLOCK: searchMesh(block.mesh(), primID); break;
+    }
   }
 
 private:
@@ -199,7 +211,9 @@ private:
     });
   }
 
-  void searchByParameters(const StoredBlock& block) {
+  /*! Header: VertHeader, or Block of cGRID. */
+  template<typename Header>
+  void searchByParameters(const Header* block) {
     const BlockPosition position(block);
     double x[2], margin[2];
     const float parameters[2] = {u, v};
@@ -304,9 +318,14 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
             [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
   size_t numTriangles = 0; // upper bound
   for (const StoredBlock& block : blocks) {
-    if (block.isMesh()) numTriangles += meshTriangles(block.mesh()->counts);
-    else if (block.areQuadsPrimitives())
-      numTriangles += 2 * vertQuadsX(block.vert()->region) * vertQuadsY(block.vert()->region);
+    switch (block.type) {
+    case FRAMED_BLOCK: break;
+    case VERT_BLOCK:
+      if (block.areQuadsPrimitives())
+        numTriangles += 2 * vertQuadsX(block.vert()->region) * vertQuadsY(block.vert()->region);
+      break;
+    case MESH_BLOCK: numTriangles += meshTriangles(block.mesh()->counts); break;
+    }
   }
   /* Primitive numbers of a file may be up to 2^32-2 in any block. So blockOf has no more bytes than pairs for all
    * triangles would have. */
@@ -323,18 +342,23 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
     if (stored == none) stored = block;
     else if (stored != block) otherBlocks.emplace_back(primID, block);
   };
+  auto addMesh = [&](const MeshHeader* block, size_t i) {
+    const MeshView view(block);
+    for (uint32_t g = 0; g < view.groups; g++)
+      for (uint32_t t = 0; t < groupTriangles(meshGroupByte(block, g)); t++)
+        add(primitiveOfMesh(block->info, view.number(g, t)), i);
+  };
   for (size_t i = 0; i < blocks.size(); i++) {
-    if (blocks[i].isMesh()) {
-      const MeshHeader* const block = blocks[i].mesh();
-      const MeshView view(block);
-      for (uint32_t g = 0; g < view.groups; g++)
-        for (uint32_t t = 0; t < groupTriangles(meshGroupByte(block, g)); t++)
-          add(primitiveOfMesh(block->info, view.number(g, t)), i);
+    switch (blocks[i].type) {
+    case FRAMED_BLOCK: break;
+    case VERT_BLOCK:
+      if (!blocks[i].areQuadsPrimitives()) break;
+      forEachQuad(blocks[i].vert(), [&](uint32_t x, uint32_t y) {
+        for (bool isSecond : {false, true}) add(primitiveOfQuad(blocks[i].vert(), x, y, isSecond).primID, i);
+      });
+      break;
+    case MESH_BLOCK: addMesh(blocks[i].mesh(), i); break;
     }
-    if (!blocks[i].areQuadsPrimitives()) continue;
-    forEachQuad(blocks[i].vert(), [&](uint32_t x, uint32_t y) {
-      for (bool isSecond : {false, true}) add(primitiveOfQuad(blocks[i].vert(), x, y, isSecond).primID, i);
-    });
   }
   blockOf.shrink_to_fit();
   std::sort(otherBlocks.begin(), otherBlocks.end());
@@ -400,33 +424,53 @@ static bool forEachMeshPart(const StoredBlock& block, const TraversalTime& time,
   return true;
 }
 
+/*! forEachPart() for a block whose quads belong to one primitive. Header: VertHeader, or Block of cGRID. */
+template<typename Header>
+static bool forParametrizedPart(const StoredBlock& block, const Header* header, const TraversalTime& time,
+                                const std::function<bool(const StoredBlock&, const StoredPart&)>& closure) {
+  const ParametrizedBlock decoded(header, time);
+  StoredPart part = StoredPart();
+  part.primID = header->primID;
+  part.width = decoded.position.quads[0] + 1;
+  part.height = decoded.position.quads[1] + 1;
+  part.vertices = decoded.vertices[0].data();
+  part.parameters = decoded.parameters[0].data();
+  return closure(block, part);
+}
+
+/*! forEachPart() for a block whose quads or triangles are primitives. */
+static bool forNumberedPart(const StoredBlock& block, const TraversalTime& time,
+                            const std::function<bool(const StoredBlock&, const StoredPart&)>& closure) {
+  const VertHeader* const header = block.vert();
+  const uint32_t numbering = header->patchQuads;
+  const VerticesAtTime decoded(header, time);
+  uint32_t primIDs[2 * vertBlockQuads * vertBlockQuads], n = 0;
+  forEachQuad(header, [&](uint32_t x, uint32_t y) {
+    primIDs[n++] = primitiveOfQuad(header, x, y, false).primID;
+    if (isTriangleNumbering(numbering)) primIDs[n++] = primitiveOfQuad(header, x, y, true).primID;
+  });
+  StoredPart part = StoredPart();
+  part.primID = header->primID;
+  part.width = vertQuadsX(header->region) + 1;
+  part.height = vertQuadsY(header->region) + 1;
+  part.vertices = decoded.vertices[0];
+  part.primIDs = primIDs;
+  part.primitivesPerQuad = isTriangleNumbering(numbering) ? 2 : 1;
+  return closure(block, part);
+}
+
 void forEachPart(const SurfaceBlocks& blocks, const TraversalTime& time,
                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure) {
   forEachBlock(blocks, [&](const StoredBlock& block) {
     if (!isPresent(block, time)) return true;
-    if (block.isMesh()) return forEachMeshPart(block, time, closure);
-    StoredPart part = StoredPart();
-    part.primID = block.primID();
-    const BlockPosition position(block);
-    part.width = position.quads[0] + 1;
-    part.height = position.quads[1] + 1;
-    if (!block.areQuadsPrimitives()) {
-      const ParametrizedBlock decoded(block, time);
-      part.vertices = decoded.vertices[0].data();
-      part.parameters = decoded.parameters[0].data();
-      return closure(block, part);
+    switch (block.type) {
+    case FRAMED_BLOCK: return forParametrizedPart(block, block.framed(), time, closure);
+    case VERT_BLOCK:
+      return block.areQuadsPrimitives() ? forNumberedPart(block, time, closure)
+                                        : forParametrizedPart(block, block.vert(), time, closure);
+    case MESH_BLOCK: return forEachMeshPart(block, time, closure);
     }
-    const uint32_t numbering = block.vert()->patchQuads;
-    const VerticesAtTime decoded(block.vert(), time);
-    uint32_t primIDs[2 * vertBlockQuads * vertBlockQuads], n = 0;
-    forEachQuad(block.vert(), [&](uint32_t x, uint32_t y) {
-      primIDs[n++] = primitiveOfQuad(block.vert(), x, y, false).primID;
-      if (isTriangleNumbering(numbering)) primIDs[n++] = primitiveOfQuad(block.vert(), x, y, true).primID;
-    });
-    part.vertices = decoded.vertices[0];
-    part.primIDs = primIDs;
-    part.primitivesPerQuad = isTriangleNumbering(numbering) ? 2 : 1;
-    return closure(block, part);
+    return true;
   });
 }
 } // namespace embree::cbvh

@@ -6,13 +6,11 @@
 /* Reads the triangles of a surface as they are stored, for operations/stored_surface.h. Traversal has code of its own,
  * which computes the same floats. */
 
-#include "../paper/block.h"
-#include "../base/codec_names.h"
-#include "../base/primitive_type.h"
-#include "../../cvert/format/mesh_block.h"
+#include "block_table.h"
 #include "part.h"
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <vector>
 
@@ -29,19 +27,20 @@ struct TraversalTime {
 /*! A block of cVERT or cGRID, or a mesh block. */
 struct StoredBlock {
   const void* data;
-  BlockFormat format;
-
-  bool isVert() const { return format == VERT_FORMAT; }
-  bool isMesh() const { return format == MESH_FORMAT; }
+  BlockType type;
 
   const VertHeader* vert() const { return (const VertHeader*)data; }
   const Block* framed() const { return (const Block*)data; }
   const MeshHeader* mesh() const { return (const MeshHeader*)data; }
 
-  uint32_t primID() const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
+  uint32_t primID() const {
+    uint32_t primID;
+    memcpy(&primID, (const char*)data + rowOf(type).primID, sizeof(primID));
+    return primID;
+  }
 
   /*! True for cVERT blocks of quad or triangle meshes, where quads or their triangles are primitives. */
-  bool areQuadsPrimitives() const { return isVert() && hasPrimIDs(vert()->info); }
+  bool areQuadsPrimitives() const { return type == VERT_BLOCK && hasPrimIDs(vert()->info); }
 };
 
 /*! Finds the triangle of a hit. Immutable, so threads may share it. */

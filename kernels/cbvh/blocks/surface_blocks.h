@@ -39,7 +39,7 @@ struct SurfaceBlocks {
   BVH4::NodeRef root; //!< tree over all parts, for scenes without other surfaces; emptyNode if there is none
   BBox3fa bounds;     //!< bounds of everything that rays can hit
   size_t numPrimRefs; //!< number of blocks and grids
-  uint32_t types = 0; //!< their types, as a mask: bit t for PrimitiveType t
+  uint32_t types = 0; //!< their types, as a mask: bit t for type t of leaves (base/leaf_type.h)
   cbvh::SurfaceStatistics statistics;
   std::shared_ptr<const cbvh::MappedBlocks> mapped; //!< null unless loaded from a file
 

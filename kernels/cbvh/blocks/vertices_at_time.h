@@ -14,7 +14,7 @@
 #include <memory>
 
 namespace embree::cbvh {
-/*! Interpolates between two steps, rounding as exact/interpolation.h does for vectors. f: 0 to 1. */
+/*! Interpolates between two steps, rounding as exact/moving_block.h does for vectors. f: 0 to 1. */
 inline float interpolate(float a, float b, float f, bool isFused) {
   const float last = f * b;
   return isFused ? std::fma(1.0f - f, a, last) : (1.0f - f) * a + last;

@@ -171,12 +171,15 @@ private:
 
   /*! Returns the mask of ThreadCaches that rays through the surfaces may use. */
   static unsigned cachesOf(const std::vector<Surface>& surfaces) {
-    unsigned types = 0;
-    for (const Surface& surface : surfaces) types |= surface.blocks->types;
-    auto cacheOf = [&](unsigned type, unsigned cache) { return types >> type & 1 ? cache : 0u; };
-    return cacheOf(cbvh::FRAMED_BLOCK, cbvh::nodeCache) | cacheOf(cbvh::VERT_BLOCK, cbvh::vertCache) |
-           cacheOf(cbvh::MESH_BLOCK, cbvh::meshCache) | cacheOf(cbvh::MOVING_VERT_BLOCK, cbvh::motionCache) |
-           cacheOf(cbvh::MOVING_MESH_BLOCK, cbvh::meshMotionCache);
+    unsigned caches = 0;
+    for (const Surface& surface : surfaces)
+      for (unsigned rest = surface.blocks->types; rest; rest &= rest - 1) {
+        const size_t type = bsf(rest);
+        if (!cbvh::isBlock(type)) continue;
+        const cbvh::BlockRow row = cbvh::rowOf(cbvh::BlockType(type));
+        caches |= surface.blocks->moving.empty() ? row.cache : row.movingCache;
+      }
+    return caches;
   }
 
   void add(const Surface& surface, cbvh::BuildStatistics& total) {

@@ -6,7 +6,7 @@
 /* The moving blocks of a scene, and their boxes per time step: the input of MotionTree. Blocks are decoded
  * unless the boxes that their build computed still exist. */
 
-#include "../base/primitive_type.h"
+#include "../blocks/block_table.h"
 #include "../exact/motion_decoder.h"
 #include "motion_tree.h"
 #include "../../cvert/portable/world.h"
@@ -87,8 +87,7 @@ private:
   static cbvh::VertMotion motionOf(BVH4::NodeRef leaf) {
     size_t type;
     const void* const block = leaf.leaf(type);
-    return type == cbvh::MOVING_MESH_BLOCK ? cbvh::motionOfMesh((const cbvh::MeshHeader*)block)
-                                           : cbvh::motionOf((const cbvh::VertHeader*)block);
+    return cbvh::rowOf(cbvh::BlockType(type)).motion(block);
   }
 
   /*! Computes boxes of blocks. On the heap, because it is large. */
@@ -100,13 +99,17 @@ private:
     void decode(BVH4::NodeRef leaf, unsigned segments, cbvh::StepBox* boxes) {
       size_t type;
       const void* const block = leaf.leaf(type);
-      const float* origin;
-      if (type == cbvh::MOVING_MESH_BLOCK) {
-        decodeMesh((const cbvh::MeshHeader*)block, segments, boxes);
-        origin = ((const cbvh::MeshHeader*)block)->origin;
-      } else {
+      const float* origin = nullptr;
+      switch (cbvh::BlockType(type)) {
+      case cbvh::VERT_BLOCK:
         decodeGrid((const cbvh::VertHeader*)block, segments, boxes);
         origin = ((const cbvh::VertHeader*)block)->origin;
+        break;
+      case cbvh::MESH_BLOCK:
+        decodeMesh((const cbvh::MeshHeader*)block, segments, boxes);
+        origin = ((const cbvh::MeshHeader*)block)->origin;
+        break;
+      case cbvh::FRAMED_BLOCK: throw_RTCError(RTC_ERROR_UNKNOWN, "a block with a frame moves");
       }
       // MotionTree requires a box
       if (std::all_of(boxes, boxes + segments + 1, [](const cbvh::StepBox& box) { return box.isEmpty(); }))

@@ -31,7 +31,7 @@ public:
   }
 
   /*! Returns false if the block is damaged. Then not even its header may be read. */
-  __forceinline bool isValid() const { return cbvh::isBlockValid(block, VERT_FORMAT); }
+  __forceinline bool isValid() const { return cbvh::isBlockValid(block, VERT_BLOCK); }
 
   /*! Returns the boxes of groups; decodes them if necessary. Requires isValid(). */
   __forceinline const GroupBoxes& boxes() const {

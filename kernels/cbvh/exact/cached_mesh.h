@@ -41,7 +41,7 @@ public:
   /*! Always true: a mesh block has only the bounds of its leaf, which the ray intersects. */
   __forceinline bool mayIntersect(const VertRayBase<float>&, float, float) const { return true; }
 
-  __forceinline bool isValid() const { return cbvh::isBlockValid(block, MESH_FORMAT); }
+  __forceinline bool isValid() const { return cbvh::isBlockValid(block, MESH_BLOCK); }
 
   __forceinline const GroupBoxes& boxes() const {
     ensureDecoded();

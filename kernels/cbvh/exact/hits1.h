@@ -10,7 +10,7 @@
 #include "../base/report_hit.h"
 
 namespace embree::isa::cbvh {
-/* Access to a group of a cVERT block; cached_mesh.h and moving_mesh.h have overloads for mesh blocks. Cached: as
+/* Access to a group of a cVERT block; cached_mesh.h and moving_block.h have overloads for mesh blocks. Cached: as
  * in VertIntersector1. g: lane of the group. index: of the triangle in the group, see VertTables::triangles. */
 
 template<typename Cached>

@@ -4,12 +4,11 @@
 #pragma once
 
 /* Single-ray intersector of cVERT blocks and mesh blocks, at rest or moving: boxes of groups, then groups (front
- * to back for closest hits), then triangles. traversal/leaf_intersectors1.h calls it. Packets also use
+ * to back for closest hits), then triangles. moving_intersector1.h has functions for moving ones. Packets also use
  * intersectGroupBoxes(), popNearest() and popAny(). */
 
 #include "boxes.h"
-#include "hits1.h"
-#include "moving_block.h"
+#include "cached_mesh.h"
 
 namespace embree::isa::cbvh {
 /*! A single ray as the Target of VertHitReporter. */
@@ -88,6 +87,25 @@ __forceinline uint32_t popAny(uint32_t& groups) {
   return g;
 }
 
+/*! Intersects a ray with groups of a block, the nearest ones first for closest hits. Target, Cached: see
+ *  VertHitReporter. groups, enter: see intersectGroupBoxes. Returns true if a hit was accepted. */
+template<bool isAnyHit, typename Target, typename Cached>
+__forceinline bool intersectGroups(const Target& target, const VertRay& vertRay, NearestVertHit& nearest,
+                                   const VertHeader* block, const Cached& cached, uint32_t groups,
+                                   const float enter[16]) {
+  VertHitReporter<Target, Cached> hits(target, vertRay, nearest, block, cached);
+  bool found = false;
+  while (groups) {
+    const uint32_t g = isAnyHit ? popAny(groups) : popNearest(groups, enter);
+    if (enter[g] > target.tfar()) continue;
+    const auto triangles = groupTrianglesHitByLine(vertRay, cached, g);
+    if (triangles.mask == 0 || !hits.report(g, triangles)) continue;
+    if (isAnyHit) return true;
+    found = true;
+  }
+  return found;
+}
+
 /*! Cached: CachedVertBlock, MovingVertBlock, CachedMeshBlock or MovingMeshBlock. */
 template<typename RayType, typename Cached>
 class VertIntersector1 {
@@ -117,19 +135,9 @@ private:
       if (!cached.isValid() || !cached.mayIntersect(vertRay, ray.tnear(), ray.tfar)) return false;
       boxes = &cached.boxes();
     }
-    uint32_t groups = intersectGroupBoxes(vertRay, ray.tnear(), ray.tfar, *boxes, enter);
-    VertHitReporter<VertTarget1<RayType>, Cached> hits(VertTarget1<RayType>{ray, context}, vertRay, vertRay.nearest,
-                                                       block, cached);
-    bool found = false;
-    while (groups) {
-      const uint32_t g = IsAnyHit<RayType>::value ? popAny(groups) : popNearest(groups, enter);
-      if (enter[g] > ray.tfar) continue;
-      const auto triangles = groupTrianglesHitByLine(vertRay, cached, g);
-      if (triangles.mask == 0 || !hits.report(g, triangles)) continue;
-      if (IsAnyHit<RayType>::value) return true;
-      found = true;
-    }
-    return found;
+    const uint32_t groups = intersectGroupBoxes(vertRay, ray.tnear(), ray.tfar, *boxes, enter);
+    return intersectGroups<IsAnyHit<RayType>::value>(VertTarget1<RayType>{ray, context}, vertRay, vertRay.nearest,
+                                                     block, cached, groups, enter);
   }
 
   RayType& ray;
@@ -148,12 +156,10 @@ __noinline bool intersectVert(RayType& ray, IntersectContext* context, VertRay& 
   return VertIntersector1<RayType, CachedVertBlock>::intersect(ray, context, vertRay, block);
 }
 
+/*! block: a MeshHeader. */
 template<typename RayType>
-__noinline bool intersectMovingVert(RayType& ray, IntersectContext* context, VertRay& vertRay,
-                                    const VertHeader* block) {
-  const VertMotion motion = motionOf(block);
-  if (unlikely(!isPresent(motion, ray.time()))) return false;
-  return VertIntersector1<RayType, MovingVertBlock>::intersect(ray, context, vertRay, block,
-                                                               timeInMotion(motion, ray.time()));
+__noinline bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
+  return VertIntersector1<RayType, CachedMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block);
 }
+
 } // namespace embree::isa::cbvh

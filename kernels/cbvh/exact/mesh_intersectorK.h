@@ -6,7 +6,7 @@
 /* Intersector of mesh blocks at rest for packets: one ray after the other, with boxes, then triangles, in lanes. */
 
 #include "hitsK.h"
-#include "mesh_intersector1.h"
+#include "intersector1.h"
 
 namespace embree::isa::cbvh {
 template<int K, typename Rays>
@@ -36,19 +36,9 @@ private:
     ray.largestComponent = vertRays.largestComponent[k];
     ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;
     alignas(64) float enter[16];
-    uint32_t groups = intersectGroupBoxes(ray, rays.tnear()[k], rays.tfar[k], cached.boxes(), enter);
-    typedef VertTargetK<K, Rays> Target;
-    VertHitReporter<Target, CachedMeshBlock> hits(Target{rays, context, k}, ray, vertRays.nearest(k), block, cached);
-    bool found = false;
-    while (groups) {
-      const uint32_t g = IsAnyHit<Rays>::value ? popAny(groups) : popNearest(groups, enter);
-      if (enter[g] > rays.tfar[k]) continue;
-      const MeshGroupTriangles triangles = groupTrianglesHitByLine(ray, cached, g);
-      if (triangles.mask == 0 || !hits.report(g, triangles)) continue;
-      if (IsAnyHit<Rays>::value) return true;
-      found = true;
-    }
-    return found;
+    const uint32_t groups = intersectGroupBoxes(ray, rays.tnear()[k], rays.tfar[k], cached.boxes(), enter);
+    return intersectGroups<IsAnyHit<Rays>::value>(VertTargetK<K, Rays>{rays, context, k}, ray, vertRays.nearest(k),
+                                                  block, cached, groups, enter);
   }
 };
 } // namespace embree::isa::cbvh

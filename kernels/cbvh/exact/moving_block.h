@@ -3,56 +3,66 @@
 
 #pragma once
 
-/* CachedVertBlock for moving blocks, at a time between two steps. Interpolates between the ends of a segment, which are
- * decoded into the thread's cache if necessary.
+/* CachedVertBlock and CachedMeshBlock for moving blocks, at a time between two steps. Interpolates between the ends of
+ * a segment, the time between two steps, which are decoded into the thread's cache if necessary.
  *
  * Vertices and planes are interpolated by the same operations, which round monotonically: an unsheared plane that
  * bounds a vertex at both ends also bounds it in between. Shared vertices stay equal, so surfaces stay watertight. */
 
-#include "interpolation.h"
+#include "cached_mesh.h"
+#include "mesh_motion_decoder.h"
 #include "motion_decoder.h"
 
 namespace embree::isa::cbvh {
-class MovingVertBlock {
+/*! fraction: 0 at the beginning of the segment, 1 at its end. */
+struct Interpolator {
+  const vfloatV weightOfBegin, weightOfEnd;
+  __forceinline explicit Interpolator(float fraction) : weightOfBegin(1.0f - fraction), weightOfEnd(fraction) {}
+
+  /*! Rounds as Embree's lerp, so that vertices equal Embree's if the ends do. */
+  __forceinline vfloatV operator()(const vfloatV& a, const vfloatV& b) const {
+    return madd(weightOfBegin, a, weightOfEnd * b);
+  }
+
+  /*! Interpolates arrays, which must be aligned to vectors and padded to whole vectors. */
+  __forceinline void interpolate(const float* a, const float* b, uint32_t count, float* out) const {
+    for (uint32_t l = 0; l < count; l += vectorWidth)
+      vfloatV::store(out + l, (*this)(vfloatV::load(a + l), vfloatV::load(b + l)));
+  }
+};
+
+/*! Lanes and shear of a segment's boxes. */
+__forceinline void setAxes(const VertSegmentEntry& entry, GroupBoxes& boxes) {
+  boxes.shearedAxis = entry.shearedAxis;
+  boxes.lanes = entry.lanes;
+  for (int k = 0; k < 3; k++) boxes.shear[k] = entry.shear[k];
+}
+__forceinline void setAxes(const MeshSegmentEntry& entry, GroupBoxes& boxes) {
+  boxes.shearedAxis = 3;
+  boxes.lanes = entry.first.lanes;
+  for (int k = 0; k < 3; k++) boxes.shear[k] = 0.0f;
+}
+
+/*! What moving blocks of both formats share. Entry: of a block's segment in a Cache. */
+template<typename Header, typename Decoder, typename Cache, typename Entry>
+class MovingBlock {
 public:
-  __forceinline MovingVertBlock(const VertRay&, const VertHeader* block, const TimeInMotion& at)
-    : MovingVertBlock(block, at) {}
-
-  __forceinline MovingVertBlock(const VertHeader* block, const TimeInMotion& at)
-    : cache(MotionCache::ofThread()),
-      block(block),
-      segment(at.segment),
-      fraction(at.fraction),
-      lane(~0u) {}
-
   /*! Boxes of groups if the segment is in the cache, otherwise null. */
   __forceinline const GroupBoxes* decodedBoxes() const {
-    const SegmentKey key = {block, segment, 0};
-    return likely(cache.blockEntry(block, segment).key == key) ? &boxes() : nullptr;
+    return likely(cache.blockEntry(block, segment).key == keyOf(0)) ? &boxes() : nullptr;
   }
 
   /*! Always true: loading a file checks its moving blocks. */
   __forceinline bool isValid() const { return true; }
 
-  /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
-  __forceinline bool mayIntersect(const VertRayBase<float>& ray, float tNear, float tFar) const {
-    const SegmentBounds segmentBounds(block, segment);
-    if (unlikely(segmentBounds.raw)) return true;
-    BlockBounds bounds;
-    segmentBounds.set(fraction, bounds);
-    return intersectsBounds<float>(ray, bounds, tNear, tFar);
-  }
-
   /*! Boxes of groups at the time. The reference is valid as long as this object. */
   __forceinline const GroupBoxes& boxes() const {
     if (isInterpolated) return boxesAtTime;
-    const VertSegmentEntry& entry = segmentEntry();
-    boxesAtTime.shearedAxis = entry.shearedAxis;
-    boxesAtTime.lanes = entry.lanes;
+    const Entry& entry = segmentEntry();
+    setAxes(entry, boxesAtTime);
     for (int k = 0; k < 3; k++) {
       boxesAtTime.origin[k] = (1.0f - fraction) * entry.origins[0][k] + fraction * entry.origins[1][k];
       boxesAtTime.extent[k] = entry.extent[k];
-      boxesAtTime.shear[k] = entry.shear[k];
     }
     const Interpolator interpolator(fraction);
     for (int k = 0; k < 3; k++)
@@ -63,6 +73,53 @@ public:
     return boxesAtTime;
   }
 
+protected:
+  __forceinline MovingBlock(const Header* block, const TimeInMotion& at)
+    : cache(Cache::ofThread()),
+      block(block),
+      segment(at.segment),
+      fraction(at.fraction) {}
+
+  /*! lane: of a group; 0 for the block. */
+  __forceinline SegmentKey keyOf(uint32_t lane) const { return SegmentKey{block, segment, lane}; }
+
+  __forceinline const Entry& segmentEntry() const {
+    Entry& entry = cache.blockEntry(block, segment);
+    if (unlikely(!(entry.key == keyOf(0)))) decode(entry);
+    return entry;
+  }
+
+  Cache& cache;
+  const Header* block;
+  const uint32_t segment;
+  const float fraction;
+
+private:
+  __noinline void decode(Entry& entry) const {
+    entry.key = keyOf(0);
+    Decoder(block).decode(segment, entry);
+  }
+
+  mutable bool isInterpolated = false; //!< boxesAtTime is set
+  mutable GroupBoxes boxesAtTime;
+};
+
+class MovingVertBlock : public MovingBlock<VertHeader, MotionDecoder, MotionCache, VertSegmentEntry> {
+public:
+  __forceinline MovingVertBlock(const VertRay&, const VertHeader* block, const TimeInMotion& at)
+    : MovingVertBlock(block, at) {}
+
+  __forceinline MovingVertBlock(const VertHeader* block, const TimeInMotion& at) : MovingBlock(block, at), lane(~0u) {}
+
+  /*! Returns false if the ray misses the block's bounds between tNear and tFar. Decodes nothing. */
+  __forceinline bool mayIntersect(const VertRayBase<float>& ray, float tNear, float tFar) const {
+    const SegmentBounds segmentBounds(block, segment);
+    if (unlikely(segmentBounds.raw)) return true;
+    BlockBounds bounds;
+    segmentBounds.set(fraction, bounds);
+    return intersectsBounds<float>(ray, bounds, tNear, tFar);
+  }
+
   /*! Vertices of a group at the time, in world space. The reference is valid until the next call with another
    *  group. */
   __forceinline const CellVertices& vertices(uint32_t lane) const {
@@ -71,42 +128,84 @@ public:
   }
 
 private:
-  __forceinline const VertSegmentEntry& segmentEntry() const {
-    VertSegmentEntry& entry = cache.blockEntry(block, segment);
-    const SegmentKey key = {block, segment, 0};
-    if (unlikely(!(entry.key == key))) decode(entry);
-    return entry;
-  }
-
-  __noinline void decode(VertSegmentEntry& entry) const {
-    entry.key = {block, segment, 0};
-    MotionDecoder(block).decode(segment, entry);
-  }
-
   __noinline void decode(uint32_t lane, SegmentVertices& entry) const {
     const VertSegmentEntry& blockEntry = segmentEntry();
-    entry.key = {block, segment, lane};
+    entry.key = keyOf(lane);
     MotionDecoder(block).vertices(blockEntry, lane, entry);
   }
 
   __forceinline void interpolate(uint32_t lane) const {
     this->lane = lane;
     SegmentVertices& entry = cache.groupEntry(block, segment, lane);
-    const SegmentKey key = {block, segment, lane};
-    if (unlikely(!(entry.key == key))) decode(lane, entry);
+    if (unlikely(!(entry.key == keyOf(lane)))) decode(lane, entry);
     const Interpolator interpolator(fraction);
     for (int k = 0; k < 3; k++)
       interpolator.interpolate(entry.vertices[0].at[k], entry.vertices[1].at[k], cellVectors * vectorWidth,
                                laneVertices.at[k]);
   }
 
-  MotionCache& cache;
-  const VertHeader* block;
-  const uint32_t segment;
-  const float fraction;
-  mutable uint32_t lane;               //!< lane of laneVertices, or ~0
-  mutable bool isInterpolated = false; //!< boxesAtTime is set
-  mutable GroupBoxes boxesAtTime;
+  mutable uint32_t lane; //!< lane of laneVertices, or ~0
   mutable CellVertices laneVertices;
 };
+
+class MovingMeshBlock : public MovingBlock<MeshHeader, MeshMotionDecoder, MeshMotionCache, MeshSegmentEntry> {
+public:
+  /*! block: a MeshHeader, see cached_mesh.h. */
+  __forceinline MovingMeshBlock(const VertRay&, const VertHeader* block, const TimeInMotion& at)
+    : MovingBlock((const MeshHeader*)block, at) {
+    trianglesAtTime.key = ~size_t(0);
+  }
+
+  /*! Always true, see CachedMeshBlock. */
+  __forceinline bool mayIntersect(const VertRayBase<float>&, float, float) const { return true; }
+
+  /*! CachedMeshBlock::triangles at the time. The reference is valid until the next call with another g or
+   *  half. */
+  __forceinline const MeshTriangles& triangles(uint32_t g, uint32_t half) const {
+    if (trianglesAtTime.key != 16 * half + g) interpolate(g, half);
+    return trianglesAtTime;
+  }
+
+  /*! See CachedMeshBlock::point. */
+  __forceinline SurfacePoint point(uint32_t g, uint32_t index, float w1, float w2) const {
+    return pointOfMesh(block->info, MeshMotionDecoder(block).number(segmentEntry(), g, index), w1, w2);
+  }
+
+private:
+  __noinline void decode(uint32_t g, uint32_t half, SegmentTriangles& entry) const {
+    const MeshSegmentEntry& blockEntry = segmentEntry();
+    entry.key = keyOf(16 * half + g);
+    MeshMotionDecoder(block).triangles(blockEntry, g, half, entry);
+  }
+
+  __forceinline void interpolate(uint32_t g, uint32_t half) const {
+    const uint32_t lane = 16 * half + g;
+    SegmentTriangles& entry = cache.groupEntry(block, segment, lane);
+    if (unlikely(!(entry.key == keyOf(lane)))) decode(g, half, entry);
+    trianglesAtTime.key = lane;
+    trianglesAtTime.hasNextHalf = entry.begin.hasNextHalf;
+    trianglesAtTime.lanes = entry.begin.lanes;
+    trianglesAtTime.numVertices = entry.begin.numVertices;
+    memcpy(trianglesAtTime.corners, entry.begin.corners, sizeof(trianglesAtTime.corners));
+    const Interpolator interpolator(fraction);
+    for (int k = 0; k < 3; k++)
+      interpolator.interpolate(entry.begin.vertices.at[k], entry.end.at[k], 32, trianglesAtTime.vertices.at[k]);
+  }
+
+  mutable MeshTriangles trianglesAtTime; //!< the key is 16 half + group, or ~0
+};
+
+__forceinline VertTriangle triangleOf(const MovingMeshBlock& cached, uint32_t g, uint32_t index) {
+  return triangleOfMesh(cached, g, index);
+}
+
+__forceinline MeshGroupTriangles groupTrianglesHitByLine(const VertRay& ray, const MovingMeshBlock& cached,
+                                                         uint32_t g) {
+  return MeshGroupTriangles(ray, cached, g);
+}
+
+__forceinline SurfacePoint pointOfHit(const MovingMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t index,
+                                      const VertTriangle::Sides& sides) {
+  return cached.point(g, index, clampParameter(sides.w1 / sides.sum), clampParameter(sides.w2 / sides.sum));
+}
 } // namespace embree::isa::cbvh

@@ -84,7 +84,7 @@ private:
     cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
     if (source.mesh.areHalvesOfQuads()) header->info |= cbvh::meshHasQuads;
     memcpy(store.reserve(bytes), header, bytes);
-    store.commit(bytes, toBBox(bounds), cbvh::MOVING_MESH_BLOCK, cbvh::vertReadPadding);
+    store.commit(bytes, toBBox(bounds), cbvh::MESH_BLOCK, cbvh::vertReadPadding);
     store.hitBounds.extend(bounds);
     MeshWriter::addToStatistics(*header, bytes, statistics);
   }

@@ -127,7 +127,7 @@ private:
     }
     cbvh::WorldBounds bounds;
     extend(bounds, encoder);
-    commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds, cbvh::VERT_BLOCK);
+    commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds);
   }
 
   /*! copy(step,out) must store the block's vertices at a time step. */
@@ -161,7 +161,7 @@ private:
     }
     statistics.sums.numMovingQuads += size_t(w) * h;
     statistics.sums.motionBytes += blockStatistics.stepBytes;
-    commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds, cbvh::MOVING_VERT_BLOCK);
+    commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds);
   }
 
   static void extend(cbvh::WorldBounds& bounds, const cbvh::BlockVertices& vertices) {
@@ -179,14 +179,14 @@ private:
 
   /*! Completes an encoded block at the end of the store, and commits it. size: of the encoder's output. */
   void commitBlock(const SurfacePatch& patch, cbvh::VertHeader* header, size_t size,
-                   const cbvh::VertStatistics& blockStatistics, const cbvh::WorldBounds& bounds, uint32_t type) {
+                   const cbvh::VertStatistics& blockStatistics, const cbvh::WorldBounds& bounds) {
     header->surface = patch.surfaceNumber;
     header->primID = patch.primID;
     if (patch.numbers) size = numbers.finish(header, size);
     addToStatistics(header, size, blockStatistics);
     if (patch.numbers) addMeshQuads(patch, size_t(cbvh::vertQuadsX(header->region)) * cbvh::vertQuadsY(header->region));
     store.hitBounds.extend(bounds);
-    store.commit(size, toBBox(bounds), type, cbvh::vertReadPadding);
+    store.commit(size, toBBox(bounds), cbvh::VERT_BLOCK, cbvh::vertReadPadding);
   }
 
   /*! bytes: size of the block without padding. */

@@ -4,7 +4,6 @@
 /* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "loaded_surface.h"
-#include "../base/primitive_type.h"
 #include "../base/thread_cache.h"
 #include "../embree/scene.h"
 #include "../blocks/surface_blocks.h"
@@ -62,29 +61,19 @@ public:
       surface.memory.reserve(size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode));
   }
 
-  Ref leaf(FileChild type, uint64_t offset) {
-    if (isMovingBlock(typeOf(type))) { // checked now, because the commit of a scene decodes its boxes
-      const BlockFormat format = formatOfBlock(typeOf(type));
-      if (const Reason reason = mapped.accept(size_t(offset), format))
+  Ref leaf(FileChild child, uint64_t offset) {
+    const bool moves = file.geometry(i).form == FILE_MOVING;
+    const BlockType type = blockTypeOf(child, moves);
+    if (moves) // checked now, because the commit of a scene decodes its boxes
+      if (const Reason reason = mapped.accept(size_t(offset), type))
         file.fail(i, "the block at " + std::to_string(offset) + ": ", reason);
-    }
 #if defined(EMBREE_CBVH_NO_PAPER)
-    if (type == FILE_FRAMED)
+    if (type == FRAMED_BLOCK)
       file.failUnsupported(i, "it has blocks with frames: expected a library that was built with the paper's "
                               "representations");
 #endif
-    surface.types |= 1u << typeOf(type);
-    return BVH4::encodeTypedLeaf((void*)(mapped.first() + offset), typeOf(type));
-  }
-
-  static PrimitiveType typeOf(FileChild child) {
-    switch (child) {
-    case FILE_MOVING_VERT: return MOVING_VERT_BLOCK;
-    case FILE_VERT: return VERT_BLOCK;
-    case FILE_MESH: return MESH_BLOCK;
-    case FILE_MOVING_MESH: return MOVING_MESH_BLOCK;
-    default: return FRAMED_BLOCK;
-    }
+    surface.types |= 1u << type;
+    return BVH4::encodeTypedLeaf((void*)(mapped.first() + offset), type);
   }
 
   BVH4::AABBNode* beginNode() {
@@ -155,7 +144,7 @@ std::shared_ptr<const SurfaceBlocks> loadSurface(const std::shared_ptr<const Fil
 
 void verifyFile(const File& file) {
   file.verify([](const FileGeometry& record, const void* block, size_t bytes) {
-    const Reason reason = validateFramedBlock(block, bytes, record.numPrimitives);
+    const Reason reason = validateFramedInFile(record, block, bytes);
     return !reason && ((const BlockHeader*)block)->surface != record.surface
                ? Reason::damaged("its surface number differs from its geometry's")
                : reason;

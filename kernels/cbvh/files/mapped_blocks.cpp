@@ -4,7 +4,7 @@
 /* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "mapped_blocks.h"
-#include "../blocks/block_bytes.h"
+#include "../blocks/block_table.h"
 #include "validate_framed.h"
 #include "../../cvert/file/record.h"
 #include <algorithm>
@@ -57,14 +57,14 @@ private:
     AddressRange last = {nullptr, 0, nullptr}; //!< range of the last block
   };
 
-  static bool isValid(const void* block, BlockFormat format) {
+  static bool isValid(const void* block, BlockType type) {
     const ThreadCopy* const own = threadCopy;
     if (likely(own && own->generation == generation.load(std::memory_order_acquire) && own->last.contains(block)))
-      return own->last.blocks->isValid(block, format);
-    return findAndCheck(block, format);
+      return own->last.blocks->isValid(block, type);
+    return findAndCheck(block, type);
   }
 
-  static bool findAndCheck(const void* block, BlockFormat format) {
+  static bool findAndCheck(const void* block, BlockType type) {
     struct Owner {
       ~Owner() {
         delete threadCopy;
@@ -78,7 +78,7 @@ private:
     }
     if (unlikely(!threadCopy)) {
       const AddressRange range = findRegistered(block);
-      return !range.blocks || range.blocks->isValid(block, format);
+      return !range.blocks || range.blocks->isValid(block, type);
     }
     if (threadCopy->generation != generation.load(std::memory_order_acquire)) {
       Lock<MutexSys> lock(mutex);
@@ -89,7 +89,7 @@ private:
     const AddressRange range = threadCopy->list ? findRange(*threadCopy->list, block) : findRegistered(block);
     if (!range.blocks) return true;
     threadCopy->last = range;
-    return range.blocks->isValid(block, format);
+    return range.blocks->isValid(block, type);
   }
 
   static AddressRange rangeOf(const MappedBlocks* blocks) { return AddressRange{blocks->begin, blocks->bytes, blocks}; }
@@ -187,23 +187,20 @@ MappedBlocks::~MappedBlocks() {
   free(validBlocks);
 }
 
-Reason MappedBlocks::validate(size_t offset, BlockFormat format) const {
+Reason MappedBlocks::validate(size_t offset, BlockType type) const {
   if (offset >= bytes || offset % blockAlignment)
     return Reason::damaged("its offset is %: expected a multiple of 16 within the blocks of the geometry", offset);
   const char* const block = begin + offset;
-  const Reason reason = format == MESH_FORMAT   ? validateMeshBlock(record, block, bytes - offset)
-                        : format == VERT_FORMAT ? validateVertBlock(record, block, bytes - offset)
-                                                : validateFramedBlock(block, bytes - offset, record.numPrimitives);
-  if (reason) return reason;
-  return isOwnSurface(offset, format) ? Reason() : Reason::damaged("its surface number differs from its geometry's");
+  if (const Reason reason = validateBlock(type, record, block, bytes - offset, validateFramedInFile)) return reason;
+  return isOwnSurface(offset, type) ? Reason() : Reason::damaged("its surface number differs from its geometry's");
 }
 
-AtomicRef<uint32_t> MappedBlocks::surfaceOf(size_t offset, BlockFormat format) const {
-  return AtomicRef<uint32_t>(*(uint32_t*)(begin + offset + offsetOfSurface(format)));
+AtomicRef<uint32_t> MappedBlocks::surfaceOf(size_t offset, BlockType type) const {
+  return AtomicRef<uint32_t>(*(uint32_t*)(begin + offset + rowOf(type).surface));
 }
 
-bool MappedBlocks::isOwnSurface(size_t offset, BlockFormat format) const {
-  const uint32_t surface = surfaceOf(offset, format).load(std::memory_order_acquire);
+bool MappedBlocks::isOwnSurface(size_t offset, BlockType type) const {
+  const uint32_t surface = surfaceOf(offset, type).load(std::memory_order_acquire);
   return surface == record.surface || surface == surfaceNumber;
 }
 
@@ -211,26 +208,26 @@ void MappedBlocks::mark(size_t offset) const {
   validBlocks[offset / (16 * 64)].fetch_or(uint64_t(1) << (offset / 16 % 64), std::memory_order_release);
 }
 
-Reason MappedBlocks::accept(size_t offset, BlockFormat format) const {
-  if (const Reason reason = validate(offset, format)) return reason;
+Reason MappedBlocks::accept(size_t offset, BlockType type) const {
+  if (const Reason reason = validate(offset, type)) return reason;
   if (!usedUnits) {
     mark(offset);
     return Reason();
   }
   Lock<MutexSys> lock(mutex);
   if (isMarked(offset)) return Reason(); // by another thread
-  const size_t end = (offset + bytesOfBlock(begin + offset, format) + 15) / 16;
+  const size_t end = (offset + rowOf(type).bytes(begin + offset) + 15) / 16;
   for (size_t unit = offset / 16; unit < end; unit++)
     if ((usedUnits[unit / 64] >> (unit % 64)) & 1) return Reason::damaged("it overlaps another block");
   for (size_t unit = offset / 16; unit < end; unit++) usedUnits[unit / 64] |= uint64_t(1) << (unit % 64);
   uint32_t expected = record.surface; // unless the block has surfaceNumber already
-  surfaceOf(offset, format).compareExchange(expected, surfaceNumber, std::memory_order_acq_rel);
+  surfaceOf(offset, type).compareExchange(expected, surfaceNumber, std::memory_order_acq_rel);
   mark(offset);
   return Reason();
 }
 
-bool MappedBlocks::check(size_t offset, BlockFormat format) const {
-  if (const Reason reason = accept(offset, format)) {
+bool MappedBlocks::check(size_t offset, BlockType type) const {
+  if (const Reason reason = accept(offset, type)) {
     if (!isReported.exchange(true)) {
       const std::string message = name + ": the block at " + std::to_string(offset) +
                                   " is damaged, possibly others too: " + reason.message() + "; rays miss it";

@@ -33,15 +33,15 @@ public:
   MappedBlocks& operator=(const MappedBlocks&) = delete;
 
   /*! True if a block of this object may be decoded. Reports the first damaged one to the device. */
-  bool isValid(const void* block, BlockFormat format) const {
+  bool isValid(const void* block, BlockType type) const {
     const size_t offset = size_t((const char*)block - begin);
-    return likely(isMarked(offset)) || check(offset, format);
+    return likely(isMarked(offset)) || check(offset, type);
   }
 
   /*! Validates a block, writes the surface number if it differs from the record's, and marks the block as valid.
    *  Returns the first error. Writing a number into a block that overlaps another one is an error, because it could
    *  change a block that was accepted before. offset: from the first block, in bytes. */
-  cvert::Reason accept(size_t offset, BlockFormat format) const;
+  cvert::Reason accept(size_t offset, BlockType type) const;
 
   const char* first() const { return begin; }
 
@@ -49,10 +49,10 @@ private:
   friend class MappedBlockRegistry;
 
   /*! Accepts a block, or reports the damage. */
-  bool check(size_t offset, BlockFormat format) const;
-  cvert::Reason validate(size_t offset, BlockFormat format) const;
-  AtomicRef<uint32_t> surfaceOf(size_t offset, BlockFormat format) const;
-  bool isOwnSurface(size_t offset, BlockFormat format) const;
+  bool check(size_t offset, BlockType type) const;
+  cvert::Reason validate(size_t offset, BlockType type) const;
+  AtomicRef<uint32_t> surfaceOf(size_t offset, BlockType type) const;
+  bool isOwnSurface(size_t offset, BlockType type) const;
   bool isMarked(size_t offset) const {
     return ((validBlocks[offset / (16 * 64)].load(std::memory_order_acquire) >> (offset / 16 % 64)) & 1) != 0;
   }

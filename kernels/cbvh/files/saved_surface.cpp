@@ -6,10 +6,8 @@
 #include "saved_surface.h"
 #include "../base/kinds.h"
 #include "../base/block_validity.h"
-#include "../base/primitive_type.h"
 #include "../embree/scene.h"
-#include "../paper/block.h"
-#include "../blocks/block_bytes.h"
+#include "../blocks/block_table.h"
 #include "../blocks/surface_blocks.h"
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
@@ -43,21 +41,12 @@ private:
                      "the geometry cannot be saved: a part of it is left to GRID "
                      "because of its edge rates or because it has no valid frame; expected compressed blocks "
                      "only, as with cVERT");
-    const BlockFormat format = formatOfBlock(type);
-    if (!isMovingBlock(type) && !isBlockValid(block, format))
+    const BlockType blockType = BlockType(type);
+    if (!isBlockValid(block, blockType))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                      "the geometry cannot be saved: the file that it was loaded from has a damaged block");
-    return to.append(fileTypeOf(type), block, bytesOfBlock(block, format), offsetOfSurface(format));
-  }
-
-  static FileChild fileTypeOf(size_t type) {
-    switch (type) {
-    case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;
-    case VERT_BLOCK: return FILE_VERT;
-    case MESH_BLOCK: return FILE_MESH;
-    case MOVING_MESH_BLOCK: return FILE_MOVING_MESH;
-    default: return FILE_FRAMED;
-    }
+    const BlockRow row = rowOf(blockType);
+    return to.append(fileChildOf(blockType, row.moves(block)), block, row.bytes(block), row.surface);
   }
 
   uint64_t child(BVH4::NodeRef ref) {

@@ -7,6 +7,7 @@
 
 #include "../paper/block.h"
 #include "../base/codec_names.h"
+#include "../../cvert/file/format.h"
 #include "../../cvert/decoder/validate.h"
 #include "../../cvert/portable/reason.h"
 
@@ -43,12 +44,12 @@ inline Reason validateFramedBlock(const void* data, size_t bytes) {
   return bytes < needed ? Reason::damaged("it has % bytes: its nodes and leaves need %", bytes, needed) : Reason();
 }
 
-/*! Also checks that the block's primitive exists. */
-inline Reason validateFramedBlock(const void* data, size_t bytes, uint32_t numPrimitives) {
+/*! Also checks that the block's primitive exists. record: of the block's geometry. */
+inline Reason validateFramedInFile(const FileGeometry& record, const void* data, size_t bytes) {
   if (const Reason reason = validateFramedBlock(data, bytes)) return reason;
   const uint32_t primID = ((const BlockHeader*)data)->primID;
-  return primID < numPrimitives
+  return primID < record.numPrimitives
              ? Reason()
-             : Reason::damaged("primitive % is out of range: the geometry has %", primID, numPrimitives);
+             : Reason::damaged("primitive % is out of range: the geometry has %", primID, record.numPrimitives);
 }
 }} // namespace embree::cbvh::CBVH_ISA

@@ -109,12 +109,9 @@ struct SurfacePatch {
 
 /*! Types of the expressions that builder and writers apply to a source S. */
 namespace source_members {
-template<typename> struct Void {
-  typedef void type;
-};
 template<template<typename> class Member, typename S, typename = void> struct Has : std::false_type {};
 template<template<typename> class Member, typename S>
-struct Has<Member, S, typename Void<Member<S>>::type> : std::true_type {};
+struct Has<Member, S, std::void_t<Member<S>>> : std::true_type {};
 
 struct PatchClosure {
   template<typename Patch> void operator()(Patch&) const;

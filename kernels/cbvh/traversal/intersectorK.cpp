@@ -5,17 +5,12 @@
  * traverse the top-level BVH and blocks together if the context is coherent, otherwise one by one, and always one by
  * one through moving blocks, because their times differ. */
 
-#include "../embree/traversal.h"
-#include "compressed_intersector1.h"
+#include "queries1.h"
 #include "packet_traversal.h"
+#include "../base/leaf_type.h"
 #include "../exact/intersectorK.h"
 #include "../exact/mesh_intersectorK.h"
-#include "../base/primitive_type.h"
-#if defined(EMBREE_CBVH_NO_PAPER)
-#include "no_framed_raysK.h"
-#else
-#include "../paper/framed_raysK.h"
-#endif
+#include "../paper/interface.h"
 
 namespace embree::isa {
 /*! The LeafIntersector of PacketTraversal: blocks, and Embree's grids for patches that are not compressed. */
@@ -39,10 +34,9 @@ public:
 
   __forceinline void intersect(const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& entryT, const Tray& tray,
                                size_t& lazyNode) {
-    framed.setEntryT(entryT);
     size_t type;
     const void* prim = leaf.leaf(type);
-    if (likely(cbvh::isBlock(type))) updateTfar(intersectBlock(valid, type, prim));
+    if (likely(cbvh::isBlock(type))) updateTfar(intersectBlock(valid, cbvh::BlockType(type), prim, entryT));
     else updateTfar(intersectGrid(valid, rays, (const GridSOA*)prim, type, tray, lazyNode));
   }
 
@@ -69,12 +63,15 @@ private:
   }
 
   /*! Returns the rays that accepted a hit in a block. */
-  __forceinline vbool<K> intersectBlock(const vbool<K>& valid, size_t type, const void* prim) {
+  __forceinline vbool<K> intersectBlock(const vbool<K>& valid, cbvh::BlockType type, const void* prim,
+                                        const vfloat<K>& entryT) {
     using namespace cbvh;
-    if (type == VERT_BLOCK)
-      return VertIntersectorK<K, Rays>::intersect(valid, rays, context, vert, (const VertHeader*)prim);
-    if (type == MESH_BLOCK) return MeshIntersectorK<K, Rays>::intersect(valid, rays, context, vert, prim);
-    return framed.intersect(valid, rays, context, prim);
+    switch (type) {
+    case VERT_BLOCK: return VertIntersectorK<K, Rays>::intersect(valid, rays, context, vert, (const VertHeader*)prim);
+    case MESH_BLOCK: return MeshIntersectorK<K, Rays>::intersect(valid, rays, context, vert, prim);
+    case FRAMED_BLOCK: return framed.intersect(valid, rays, context, prim, entryT);
+    }
+    return vbool<K>(false);
   }
 
   const Accel::Intersectors* This;

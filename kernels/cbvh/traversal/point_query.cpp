@@ -7,9 +7,9 @@
  * numbers of quads and in mesh blocks, it is called for each quad or triangle whose box is within reach. As in Embree,
  * queries find no subdivision surfaces. */
 
-#include "point_query.h"
+#include "queries1.h"
 #include "../base/block_validity.h"
-#include "../base/primitive_type.h"
+#include "../base/leaf_type.h"
 #include "../base/codec_names.h"
 #include "../../cvert/portable/world.h"
 #include "../../cvert/decoder/decoded_mesh.h"
@@ -99,19 +99,35 @@ private:
   bool callForLeaf(BVH4::NodeRef leaf) {
     size_t type;
     const void* block = leaf.leaf(type);
-    if (!isBlock(type) || type == FRAMED_BLOCK) return false;
-    const bool isMesh = formatOfBlock(type) == MESH_FORMAT;
-    const VertHeader* header = (const VertHeader*)block;
-    if (!isMovingBlock(type) && !embree::cbvh::isBlockValid(block, formatOfBlock(type))) return false;
-    const uint32_t geomID = context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
-    Geometry* const geometry = context->scene->get(geomID);
-    if (asCompressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return false;
-    context->geomID = geomID;
-    if (isMesh) return callTriangles(geometry, (const MeshHeader*)block);
-    if (!embree::cbvh::VerticesAtTime::isPresent(header, time())) return false;
-    if (hasPrimIDs(header->info)) return callQuads(geometry, header);
-    context->primID = header->primID;
+    if (!isBlock(type) || !embree::cbvh::isBlockValid(block, BlockType(type))) return false;
+    switch (BlockType(type)) {
+    case FRAMED_BLOCK: return false;
+    case VERT_BLOCK: return callForBlock((const VertHeader*)block);
+    case MESH_BLOCK: return callForBlock((const MeshHeader*)block);
+    }
+    return false;
+  }
+
+  bool callForBlock(const VertHeader* block) {
+    Geometry* const geometry = beginBlock(block->surface);
+    if (!geometry || !embree::cbvh::VerticesAtTime::isPresent(block, time())) return false;
+    if (hasPrimIDs(block->info)) return callQuads(geometry, block);
+    context->primID = block->primID;
     return geometry->pointQuery(query, context);
+  }
+
+  bool callForBlock(const MeshHeader* block) {
+    Geometry* const geometry = beginBlock(block->surface);
+    return geometry && callTriangles(geometry, block);
+  }
+
+  /*! Returns the geometry of a block, or null if queries skip it. */
+  Geometry* beginBlock(uint32_t surface) {
+    const uint32_t geomID = context->scene->surfaceIDs[surface];
+    Geometry* const geometry = context->scene->get(geomID);
+    if (asCompressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return nullptr;
+    context->geomID = geomID;
+    return geometry;
   }
 
   embree::cbvh::TraversalTime time() const { return {query->time, false}; }
@@ -195,7 +211,16 @@ private:
   PointQueryContext* context;
 };
 
-bool queryPoint(const BVH4* bvh, PointQuery* query, PointQueryContext* context) {
-  return PointQueryTraversal(query, context)(bvh);
-}
 } // namespace embree::isa::cbvh
+
+namespace embree::isa {
+bool CompressedSubdivTraversal1::pointQuery(const Accel::Intersectors* This, PointQuery* query,
+                                            PointQueryContext* context) {
+  return cbvh::PointQueryTraversal(query, context)((const BVH4*)This->ptr);
+}
+
+bool CompressedMotionTraversal1::pointQuery(const Accel::Intersectors* This, PointQuery* query,
+                                            PointQueryContext* context) {
+  return cbvh::PointQueryTraversal(query, context)((const BVH4*)This->ptr);
+}
+} // namespace embree::isa

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. For closest hits it also passes
- * entry distances of blocks with frames, so that results do not depend on their order (paper/nearest_hit.h). */
+/* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. intersector1.cpp has the
+ * classes of leaves. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -30,58 +30,49 @@ struct MovingNodes {
   }
 };
 
+typedef StackItemT<BVH4::NodeRef> StackEntry;
+
 /*! Entry distance of a stack entry; Embree stores its bits as an integer. */
-__forceinline float distanceOf(const StackItemT<BVH4::NodeRef>& entry) {
+__forceinline float distanceOf(const StackEntry& entry) {
   float distance;
   memcpy(&distance, &entry.dist, sizeof(float));
   return distance;
 }
 
-/*! If a stack entry is nearer than the leaf, pushes the nearest one, stores the leaf in its place, and returns
- *  true. Leaves are then visited in order of distance; Embree sorts only the children of one node. */
-__forceinline bool deferToNearer(BVH4::NodeRef leaf, float entryT, StackItemT<BVH4::NodeRef>* stack,
-                                 StackItemT<BVH4::NodeRef>*& top) {
-  StackItemT<BVH4::NodeRef>* nearest = nullptr;
-  float least = entryT;
-  for (StackItemT<BVH4::NodeRef>* entry = stack; entry != top; entry++) {
-    const float distance = distanceOf(*entry);
-    if (unlikely(distance < least)) {
-      least = distance;
-      nearest = entry;
-    }
-  }
-  if (likely(nearest == nullptr)) return false;
-  *top++ = *nearest;
-  nearest->ptr = leaf;
-  memcpy(&nearest->dist, &entryT, sizeof(float));
-  return true;
+/*! Pushes a node, to be traversed next. Returns the new top of the stack. */
+__forceinline StackEntry* push(StackEntry* top, BVH4::NodeRef node, float distance) {
+  top->ptr = node;
+  memcpy(&top->dist, &distance, sizeof(float));
+  return top + 1;
 }
 
-/*! Finds the closest hit of a ray. LeafIntersector: a class with
+/*! A leaf that a ray reaches. */
+struct ReachedLeaf {
+  const BVH4::NodeRef ref;
+  const size_t mask;        //!< children of its parent that the ray intersects and that are not nearer than the leaf
+  const vfloat4& distances; //!< of the parent's children
+
+  /*! Distance to the entry into the leaf's bounds. */
+  __forceinline float entryT() const { return reduce_min(select(vboolf4(int(mask)), distances, vfloat4(pos_inf))); }
+};
+
+/*! Finds the closest hit of a ray. Leaves: a class with
  *
- *     bool isSorted
- *       True if blocks with frames must be visited in order of distance, so that each hit that a filter function
- *       accepts is nearer than the one before.
- *     static bool hasFrame (leaf)
- *       True for a block with a frame. Other leaves cannot be hit before their bounds.
- *     void setEntryT (t)
- *       Sets the entry distance of the next block with a frame.
- *     void intersect (leaf, tray, lazyNode)
- *       Intersects a leaf. lazyNode: receives a node that must be traversed next. */
-template<typename Nodes, typename LeafIntersector>
-__forceinline void traverseClosestHit1(BVH4::NodeRef root, const Nodes& nodes, RayHit& ray, LeafIntersector& leaves) {
+ *     StackEntry* intersect (ray, const ReachedLeaf&, tray, stack, top)
+ *       Intersects a leaf. Returns the top of the stack, on which it may push nodes. */
+template<typename Nodes, typename Leaves>
+__forceinline void traverseClosestHit1(BVH4::NodeRef root, const Nodes& nodes, RayHit& ray, Leaves& leaves) {
   typedef BVH4::NodeRef NodeRef;
-  typedef StackItemT<NodeRef> Entry;
 
   TopLevelRay tray(ray);
-  Entry stack[1 + 3 * BVH4::maxDepth + 3]; // + 3: as in Embree
-  Entry* top = stack + 1;
+  StackEntry stack[1 + 3 * BVH4::maxDepth + 3]; // + 3: as in Embree
+  StackEntry* top = stack + 1;
   stack[0].ptr = root;
   stack[0].dist = neg_inf;
   while (top != stack) {
     top--;
     NodeRef cur = NodeRef(top->ptr);
-    float entryT = distanceOf(*top);
+    const float entryT = distanceOf(*top);
     if (unlikely(entryT > ray.tfar)) continue;
 
     size_t mask = 1;
@@ -90,29 +81,20 @@ __forceinline void traverseClosestHit1(BVH4::NodeRef root, const Nodes& nodes, R
       mask = nodes(cur, tray, distances);
       if (unlikely(mask == 0)) break;
       BVHNNodeTraverser1Hit<4, Nodes::types>::traverseClosestHit(cur, mask, distances, top,
-                                                                 stack + sizeof(stack) / sizeof(Entry));
+                                                                 stack + sizeof(stack) / sizeof(StackEntry));
     }
     if (unlikely(mask == 0)) continue;
-    if (LeafIntersector::hasFrame(cur)) {
-      entryT = reduce_min(select(vboolf4(int(mask)), distances, vfloat4(pos_inf)));
-      if (unlikely(leaves.isSorted) && deferToNearer(cur, entryT, stack, top)) continue;
-      leaves.setEntryT(entryT);
-    }
-    size_t lazyNode = 0;
-    leaves.intersect(cur, tray, lazyNode);
+    top = leaves.intersect(ray, ReachedLeaf{cur, mask, distances}, tray, stack, top);
     tray.tfar = ray.tfar;
-    if (unlikely(lazyNode)) {
-      top->ptr = lazyNode;
-      top->dist = neg_inf;
-      top++;
-    }
   }
 }
 
-/*! Returns true if isOccluded(leaf,tray,lazyNode) is true for a leaf that the ray reaches. lazyNode: as above. */
-template<typename Nodes, typename IsOccluded>
-__forceinline bool traverseAnyHit1(BVH4::NodeRef root, const Nodes& nodes, const Ray& ray,
-                                   const IsOccluded& isOccluded) {
+/*! Returns true if the ray has a hit. Leaves: a class with
+ *
+ *     bool isOccluded (ray, leaf, tray, top)
+ *       Returns true if the leaf has a hit. May push nodes on the stack, with `top`. */
+template<typename Nodes, typename Leaves>
+__forceinline bool traverseAnyHit1(BVH4::NodeRef root, const Nodes& nodes, Ray& ray, Leaves& leaves) {
   typedef BVH4::NodeRef NodeRef;
 
   const TopLevelRay tray(ray);
@@ -130,9 +112,7 @@ __forceinline bool traverseAnyHit1(BVH4::NodeRef root, const Nodes& nodes, const
                                                              stack + sizeof(stack) / sizeof(NodeRef));
     }
     if (unlikely(mask == 0)) continue;
-    size_t lazyNode = 0;
-    if (isOccluded(cur, tray, lazyNode)) return true;
-    if (unlikely(lazyNode)) *top++ = NodeRef(lazyNode);
+    if (leaves.isOccluded(ray, cur, tray, top)) return true;
   }
   return false;
 }

@@ -353,89 +353,127 @@ protected:
   }
 
   size_t write(uint32_t surface, uint8_t* block, MeshStatistics& statistics) {
-    MeshHeader header;
-    std::memset(&header, 0, sizeof(header));
-    uint32_t lowest = ~0u, highestBase = 0, base[maxMeshGroups], numberBits[maxMeshGroups];
+    const Numbers numbers = findNumbers();
+    MeshHeader header = makeHeader(surface, numbers);
+    const MeshLayout layout = meshLayout(header.counts);
+    for (uint32_t g = 0; g < groups; g++) writeRecord(all[g], g, numbers.bits[g], layout, header, block);
+    BitWriter topology(block + layout.topology);
+    for (uint32_t g = 0; g < groups; g++) writeTopology(all[g], topology);
+    BitWriter fields(topology.finish());
+    for (uint32_t g = 0; g < groups; g++) statistics.vertexBits += writeFields(all[g], header, fields);
+    BitWriter triangles(fields.finish());
+    for (uint32_t g = 0; g < groups; g++) statistics.numberBits += writeNumbers(all[g], g, numbers, triangles);
+    uint8_t* end = triangles.finish();
+    while ((end - block) % 4 != 0) *end++ = 0;
+    header.bytes = uint32_t(end - block);
+    std::memcpy(block, &header, sizeof(header));
+    addTo(statistics, header, layout, block);
+    return header.bytes;
+  }
+
+  /*! Numbers of triangles: the block's lowest one, and how groups store theirs relative to it. */
+  struct Numbers {
+    uint32_t lowest, baseBits;
+    uint32_t base[maxMeshGroups], bits[maxMeshGroups];
+  };
+
+  Numbers findNumbers() const {
+    Numbers numbers;
+    uint32_t highestBase = 0;
+    numbers.lowest = ~0u;
     for (uint32_t g = 0; g < groups; g++) {
       const uint32_t* const ids = all[g].triangleNumbers;
-      base[g] = *std::min_element(ids, ids + all[g].triangles);
-      numberBits[g] = bitWidth(*std::max_element(ids, ids + all[g].triangles) - base[g]);
-      if (numberBits[g] == 31) numberBits[g] = 32;
-      lowest = std::min(lowest, base[g]);
-      highestBase = std::max(highestBase, base[g]);
+      const uint32_t base = *std::min_element(ids, ids + all[g].triangles);
+      numbers.base[g] = base;
+      numbers.bits[g] = bitWidth(*std::max_element(ids, ids + all[g].triangles) - base);
+      if (numbers.bits[g] == 31) numbers.bits[g] = 32;
+      numbers.lowest = std::min(numbers.lowest, base);
+      highestBase = std::max(highestBase, base);
     }
-    const uint32_t baseBits = bitWidth(highestBase - lowest), otherBits = bitWidth(numVertices - 1);
+    numbers.baseBits = bitWidth(highestBase - numbers.lowest);
+    return numbers;
+  }
+
+  /*! Without the block's size, and what writeRecord() adds. */
+  MeshHeader makeHeader(uint32_t surface, const Numbers& numbers) const {
+    MeshHeader header;
+    std::memset(&header, 0, sizeof(header));
     std::memcpy(header.origin, origin, sizeof(origin));
     for (int k = 0; k < 3; k++) header.spacings |= (isRanked[k] ? 0u : uint32_t(exponent[k] + 127)) << (8 * k);
     for (int k = 0; k < 3; k++) header.info |= (shifts[k] - (isRanked[k] ? minRankShift : 0)) << (4 * k);
     header.surface = surface;
-    header.primID = lowest;
+    header.primID = numbers.lowest;
     header.counts =
-        meshTagOfCounts() | (numVertices - 1) | (groups - 1) << 10 | (numTriangles - 1) << 16 | baseBits << 24;
+        meshTagOfCounts() | (numVertices - 1) | (groups - 1) << 10 | (numTriangles - 1) << 16 | numbers.baseBits << 24;
     header.info |=
         meshTagOfInfo() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16 | (uint32_t(slopes[1]) & 31) << 21;
+    return header;
+  }
 
-    const MeshLayout layout = meshLayout(header.counts);
-    BitWriter topology(block + layout.topology);
-    uint32_t topologyBits = 0, vertexBits = 0;
-    for (uint32_t g = 0; g < groups; g++) {
-      const Group& group = all[g];
-      const uint32_t byte = (group.triangles - 1) | (group.restarts & 7) << 5;
-      const uint32_t record =
-          group.vertices | group.owned << 5 | std::min(numberBits[g], 31u) << 10 | (group.restarts >> 3) << 15;
-      header.groups[g / 4] |= byte << (8 * (g % 4));
-      block[layout.records + 2 * g] = uint8_t(record);
-      block[layout.records + 2 * g + 1] = uint8_t(record >> 8);
-      for (int k = 0; k < 3; k++) {
-        block[layout.boxes + uint32_t(k) * groups + g] = uint8_t(group.lower[k]);
-        block[layout.boxes + uint32_t(3 + k) * groups + g] = uint8_t(group.extent[k]);
-      }
-      const uint32_t stream = streamLength(group.triangles, group.restarts), repeatBits = bitWidth(group.vertices - 1);
-      topology.write(group.restartMask >> 1, group.triangles - 1);
-      topology.write(group.fanMask >> 1, group.triangles - 1);
-      for (uint32_t t = 0; t < group.triangles; t++) topology.write(group.firstCorners[t], 2);
-      const uint64_t mask = group.newMask >> 3;
-      topology.write(uint32_t(mask), std::min(stream - 3, 32u));
-      if (stream - 3 > 32) topology.write(uint32_t(mask >> 32), stream - 3 - 32);
-      topology.write(group.ownMask, group.vertices);
-      for (uint32_t i = 0; i < group.repeats; i++) topology.write(group.repeated[i], repeatBits);
-      for (uint32_t i = 0; i < group.vertices; i++)
-        if (((group.ownMask >> i) & 1) == 0) topology.write(group.numbers[i], otherBits);
-      topologyBits += meshTopology(byte, record, numVertices).bits;
+  /*! Writes the sizes and the box of a group. numberBits: see Numbers. */
+  void writeRecord(const Group& group, uint32_t g, uint32_t numberBits, const MeshLayout& layout, MeshHeader& header,
+                   uint8_t* block) const {
+    const uint32_t byte = (group.triangles - 1) | (group.restarts & 7) << 5;
+    const uint32_t record =
+        group.vertices | group.owned << 5 | std::min(numberBits, 31u) << 10 | (group.restarts >> 3) << 15;
+    header.groups[g / 4] |= byte << (8 * (g % 4));
+    block[layout.records + 2 * g] = uint8_t(record);
+    block[layout.records + 2 * g + 1] = uint8_t(record >> 8);
+    for (int k = 0; k < 3; k++) {
+      block[layout.boxes + uint32_t(k) * groups + g] = uint8_t(group.lower[k]);
+      block[layout.boxes + uint32_t(3 + k) * groups + g] = uint8_t(group.extent[k]);
     }
-    BitWriter fields(topology.finish());
+  }
+
+  /*! Writes the strips of a group, and which of its vertices it owns. */
+  void writeTopology(const Group& group, BitWriter& topology) const {
+    const uint32_t stream = streamLength(group.triangles, group.restarts), repeatBits = bitWidth(group.vertices - 1),
+                   otherBits = bitWidth(numVertices - 1);
+    topology.write(group.restartMask >> 1, group.triangles - 1);
+    topology.write(group.fanMask >> 1, group.triangles - 1);
+    for (uint32_t t = 0; t < group.triangles; t++) topology.write(group.firstCorners[t], 2);
+    const uint64_t mask = group.newMask >> 3;
+    topology.write(uint32_t(mask), std::min(stream - 3, 32u));
+    if (stream - 3 > 32) topology.write(uint32_t(mask >> 32), stream - 3 - 32);
+    topology.write(group.ownMask, group.vertices);
+    for (uint32_t i = 0; i < group.repeats; i++) topology.write(group.repeated[i], repeatBits);
+    for (uint32_t i = 0; i < group.vertices; i++)
+      if (((group.ownMask >> i) & 1) == 0) topology.write(group.numbers[i], otherBits);
+  }
+
+  /*! Writes the coordinates of the vertices that a group owns, relative to its box. Returns the number of bits. */
+  uint32_t writeFields(const Group& group, const MeshHeader& header, BitWriter& fields) const {
+    uint32_t bits[3];
+    for (uint32_t k = 0; k < 3; k++) bits[k] = meshFieldBits(header.spacings, header.info, group.extent[k], k);
+    for (uint32_t v = group.firstVertex; v < group.firstVertex + group.owned; v++)
+      for (int k = 0; k < 3; k++) fields.write(coordinates[k][v] - (group.lower[k] << shifts[k]), bits[k]);
+    return group.owned * (bits[0] + bits[1] + bits[2]);
+  }
+
+  /*! Writes the numbers of a group's triangles. Returns the number of bits. */
+  static uint32_t writeNumbers(const Group& group, uint32_t g, const Numbers& numbers, BitWriter& triangles) {
+    triangles.write(numbers.base[g] - numbers.lowest, numbers.baseBits);
+    for (uint32_t t = 0; t < group.triangles; t++)
+      triangles.write(group.triangleNumbers[t] - numbers.base[g], numbers.bits[g]);
+    return numbers.baseBits + group.triangles * numbers.bits[g];
+  }
+
+  /*! Counts a written block, but not the bits of vertices and numbers. */
+  void addTo(MeshStatistics& statistics, const MeshHeader& header, const MeshLayout& layout,
+             const uint8_t* block) const {
     for (uint32_t g = 0; g < groups; g++) {
-      const Group& group = all[g];
-      uint32_t bits[3];
-      for (uint32_t k = 0; k < 3; k++) bits[k] = meshFieldBits(header.spacings, header.info, group.extent[k], k);
-      vertexBits += group.owned * (bits[0] + bits[1] + bits[2]);
-      for (uint32_t v = group.firstVertex; v < group.firstVertex + group.owned; v++)
-        for (int k = 0; k < 3; k++) fields.write(coordinates[k][v] - (group.lower[k] << shifts[k]), bits[k]);
-    }
-    BitWriter numbers(fields.finish());
-    uint32_t sumOfNumberBits = 0;
-    for (uint32_t g = 0; g < groups; g++) {
-      numbers.write(base[g] - lowest, baseBits);
-      for (uint32_t t = 0; t < all[g].triangles; t++) numbers.write(all[g].triangleNumbers[t] - base[g], numberBits[g]);
-      sumOfNumberBits += baseBits + all[g].triangles * numberBits[g];
+      const uint32_t byte = header.groups[g / 4] >> (8 * (g % 4)) & 255u,
+                     record = block[layout.records + 2 * g] | uint32_t(block[layout.records + 2 * g + 1]) << 8;
+      statistics.topologyBits += meshTopology(byte, record, numVertices).bits;
       statistics.restarts += all[g].restarts;
     }
-    uint8_t* end = numbers.finish();
-    while ((end - block) % 4 != 0) *end++ = 0;
-    header.bytes = uint32_t(end - block);
-    std::memcpy(block, &header, sizeof(header));
-
     statistics.blocks++;
     statistics.groups += groups;
     statistics.triangles += numTriangles;
     statistics.vertices += numVertices;
     statistics.bytes += header.bytes;
-    statistics.topologyBits += topologyBits;
-    statistics.vertexBits += vertexBits;
-    statistics.numberBits += sumOfNumberBits;
     for (bool is : isRanked) statistics.rankAxes += is;
     statistics.shearedBlocks += (slopes[0] | slopes[1]) != 0;
-    return header.bytes;
   }
 
   /*! Empty unless its epoch is the current one, so that blocks need not clear the table. */

@@ -80,9 +80,7 @@ void File::verifyGeometry(size_t i, const BlockCheck& other) const {
     if (type == FILE_FRAMED && !other) return;
     const char* const block = blocks(i) + offset;
     const size_t bytes = size_t(record.blockBytes - offset);
-    Reason reason = type == FILE_FRAMED ? other(record, block, bytes)
-                    : isMesh(type)      ? validateMeshBlock(record, block, bytes)
-                                        : validateVertBlock(record, block, bytes);
+    Reason reason = validateBlock(blockTypeOf(type, record.form == FILE_MOVING), record, block, bytes, other);
     if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
       reason = Reason::damaged("its surface number differs from its geometry's");
     if (reason) fail(i, "the block at " + std::to_string(offset) + ": ", reason);

@@ -6,6 +6,7 @@
 /* Layout of files of compressed surfaces (docs/formats/file.md): a header, each geometry's tree and blocks, and a
  * directory. Offsets are from the start of the file. Little-endian. */
 
+#include "../format/block_type.h"
 #include "../format/mesh_motion.h"
 #include "checksum.h"
 #include <cstddef>
@@ -69,18 +70,23 @@ struct FileGeometry {
 };
 static_assert(sizeof(FileGeometry) == 320, "record of a geometry");
 
-/*! Type of a child, in its lower 4 bits. The upper bits are its offset from the start of the tree or blocks, a
- *  multiple of 16. */
+/*! Type of a child, in its lower 4 bits: FILE_NONE, FILE_NODE, or the BlockType of a block, plus 1 if it moves. The
+ *  upper bits are its offset from the start of the tree or blocks, a multiple of 16. */
 enum FileChild : uint64_t {
   FILE_NONE = 0,
   FILE_NODE = 1,
-  FILE_FRAMED = 2,
-  FILE_VERT = 3,
-  FILE_MOVING_VERT = 4,
-  FILE_MESH = 5,
-  FILE_MOVING_MESH = 6,
+  FILE_FRAMED = FRAMED_BLOCK,
+  FILE_VERT = VERT_BLOCK,
+  FILE_MOVING_VERT = VERT_BLOCK + 1,
+  FILE_MESH = MESH_BLOCK,
+  FILE_MOVING_MESH = MESH_BLOCK + 1,
   FILE_CHILD_MASK = 15
 };
+
+inline FileChild fileChildOf(BlockType type, bool moves) { return FileChild(uint64_t(type) + moves); }
+
+/*! moves: whether the geometry moves. The child must be a block of such a geometry, see isKnownBlock(). */
+inline BlockType blockTypeOf(FileChild child, bool moves) { return BlockType(uint64_t(child) - moves); }
 
 inline bool isMesh(FileChild type) { return type == FILE_MESH || type == FILE_MOVING_MESH; }
 

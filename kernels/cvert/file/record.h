@@ -22,4 +22,41 @@ Reason validateVertBlock(const FileGeometry& record, const void* data, size_t by
 
 /*! The same for a mesh block, static or moving. */
 Reason validateMeshBlock(const FileGeometry& record, const void* data, size_t bytes);
+
+/*! The same for a block of any type. framed: called for blocks with frames as framed(record,data,bytes). */
+template<typename ValidateFramed>
+Reason validateBlock(BlockType type, const FileGeometry& record, const void* data, size_t bytes,
+                     const ValidateFramed& framed) {
+  switch (type) {
+  case FRAMED_BLOCK: return framed(record, data, bytes);
+  case VERT_BLOCK: return validateVertBlock(record, data, bytes);
+  case MESH_BLOCK: return validateMeshBlock(record, data, bytes);
+  }
+  return Reason::damaged("its type % is unknown", type);
+}
+
+/*! True if a geometry's tree may refer to blocks of the type. moves: whether the geometry moves. */
+inline bool isKnownBlock(BlockType type, bool moves) {
+  switch (type) {
+  case FRAMED_BLOCK: return !moves;
+  case VERT_BLOCK:
+  case MESH_BLOCK: return true;
+  }
+  return false;
+}
+
+/*! Lowest FileHeader::vertVersion of a file with such a child. */
+inline uint32_t leastVertVersion(FileChild child) {
+  switch (child) {
+  case FILE_MESH: return meshFormatVersion;
+  case FILE_MOVING_MESH: return movingMeshFormatVersion;
+  case FILE_NONE:
+  case FILE_NODE:
+  case FILE_FRAMED:
+  case FILE_VERT:
+  case FILE_MOVING_VERT:
+  case FILE_CHILD_MASK: return vertFormatVersion;
+  }
+  return vertFormatVersion;
+}
 } // namespace cvert

@@ -56,9 +56,7 @@ private:
   Ref leaf(uint64_t child) {
     const uint64_t type = child & FILE_CHILD_MASK, offset = child & ~uint64_t(FILE_CHILD_MASK);
     const bool moves = record.form == FILE_MOVING;
-    const bool isKnown = moves ? type == FILE_MOVING_VERT || type == FILE_MOVING_MESH
-                               : type == FILE_VERT || type == FILE_FRAMED || type == FILE_MESH;
-    if (!isKnown)
+    if (!isKnownBlock(blockTypeOf(FileChild(type), moves), moves))
       return fail(moves ? "a leaf of its tree has type %: expected 4 or 6"
                         : "a leaf of its tree has type %: expected 2, 3 or 5",
                   type);

@@ -14,8 +14,7 @@ uint64_t FileSurface::append(FileChild type, const void* data, uint32_t bytes, u
   const uint64_t begin = blockBytes;
   blocks.push_back({data, bytes, surfaceOffset});
   blockBytes = (begin + bytes + blockAlignment - 1) & ~uint64_t(blockAlignment - 1);
-  if (type == FILE_MESH) vertVersion = std::max(vertVersion, meshFormatVersion + 0u);
-  if (type == FILE_MOVING_MESH) vertVersion = movingMeshFormatVersion;
+  vertVersion = std::max(vertVersion, leastVertVersion(type));
   return begin | type;
 }
 

@@ -19,12 +19,29 @@
  *      |      \   |
  *     00-bottom--10
  *
- * See portable/language.h on Real and Wide.
+ * One text serves single rays, packets and shaders. The macros of portable/language.h make a function with CVERT_REAL a
+ * template in C++, over the type Real: float for single rays, a vector with one ray (or one triangle) per lane for
+ * SIMD. In GLSL they vanish, and Real is float. This is clipInterval, below, as compilers see it:
+ *
+ *   the text             CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval)
+ *                          clipInterval(CVERT_OF(RayInterval) interval, Real lower, Real upper, Real rcp)
+ *   C++                  template<typename Real> inline __attribute__((always_inline)) RayInterval<Real>
+ *                          clipInterval(RayInterval<Real> interval, Real lower, Real upper, Real rcp)
+ *     single ray         RayInterval<float> clipInterval(RayInterval<float>, float, float, float)
+ *     packet of 8        RayInterval<vfloat<8>> clipInterval(RayInterval<vfloat<8>>, vfloat<8>, vfloat<8>, vfloat<8>)
+ *   GLSL                 RayInterval
+ *                          clipInterval(RayInterval interval, float lower, float upper, float rcp)
+ *
+ * The body, `interval.from = maximum(interval.from, minimum(a, b))`, compiles in each, since language.h defines
+ * maximum, minimum, product, choose, both and either for float and in GLSL, and base/vectors.h for vectors. A condition
+ * has the type CVERT_BOOL(Real): bool, or a mask with a bit per lane. Therefore functions have no `if` on it: they
+ * compute both cases and choose(). Wide, a second parameter, is a type in which products of two Reals are exact:
+ * double, or a vector of doubles.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
-#ifndef CVERT_VERT_RULE_H
-#define CVERT_VERT_RULE_H
+#ifndef CVERT_RULE_RULE_H
+#define CVERT_RULE_RULE_H
 
 #include "../format/block.h"
 #include "reciprocal.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "blocks.h"
+#include "kernels/cbvh/base/leaf_type.h"
 #include "kernels/cbvh/files/validate_framed.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
 
@@ -21,26 +22,35 @@ namespace {
 constexpr size_t readPadding = 16;         // bytes after a block that shaders may read
 constexpr size_t ownBufferBytes = 1 << 20; // surfaces of at least this size have buffers of their own
 
-bool isVert(const FlatBlock& block) {
-  return block.type == blockReferenceType(kindVert) || block.type == movingBlockReferenceType;
+/* block: no grid of Embree. */
+BlockType typeOf(const FlatBlock& block) {
+  static_assert(numReferenceTypes == meshBlockReferenceType + 1, "each type of reference to a block is known here");
+  return block.type == meshBlockReferenceType                                                   ? MESH_BLOCK
+         : block.type == movingBlockReferenceType || block.type == blockReferenceType(kindVert) ? VERT_BLOCK
+                                                                                                : FRAMED_BLOCK;
 }
 
 /* True if shaders may read up to readPadding bytes after the block. */
-bool isReadPastEnd(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReferenceType; }
+bool isReadPastEnd(const FlatBlock& block) {
+  return block.type != gridLeafReferenceType && typeOf(block) != FRAMED_BLOCK;
+}
 
 /* Throws VulkanError if a block is damaged. Grids of Embree need no check. */
 void requireValid(const FlatBlock& block) {
   if (block.type == gridLeafReferenceType) return;
   cvert::Reason reason;
-  if (block.type == meshBlockReferenceType) reason = cvert::validateMesh(block.data, block.bytes);
-  else if (isVert(block)) {
-    reason = cvert::validateVert(block.data, block.bytes);
-    if (!reason && block.type == movingBlockReferenceType && !isMoving(((const VertHeader*)block.data)->info))
-      reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
-  } else {
+  switch (typeOf(block)) {
+  case FRAMED_BLOCK:
     reason = validateFramedBlock(block.data, block.bytes);
     if (!reason && blockReferenceType(kindOf(((const BlockHeader*)block.data)->info)) != block.type)
       reason = {cvert::ErrorCode::DAMAGED, "its kind differs from the kind in its reference"};
+    break;
+  case VERT_BLOCK:
+    reason = cvert::validateVert(block.data, block.bytes);
+    if (!reason && block.type == movingBlockReferenceType && !isMoving(((const VertHeader*)block.data)->info))
+      reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
+    break;
+  case MESH_BLOCK: reason = cvert::validateMesh(block.data, block.bytes); break;
   }
   if (reason) throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }

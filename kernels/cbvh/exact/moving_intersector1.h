@@ -3,20 +3,22 @@
 
 #pragma once
 
-/* Single-ray intersectors of mesh blocks, at rest and moving. */
+/* Single-ray intersectors of moving blocks. */
 
-#include "cached_mesh.h"
 #include "intersector1.h"
-#include "moving_mesh.h"
+#include "moving_block.h"
 
 namespace embree::isa::cbvh {
-/*! As intersectVert. block: a MeshHeader. */
 template<typename RayType>
-__noinline bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
-  return VertIntersector1<RayType, CachedMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block);
+__noinline bool intersectMovingVert(RayType& ray, IntersectContext* context, VertRay& vertRay,
+                                    const VertHeader* block) {
+  const VertMotion motion = motionOf(block);
+  if (unlikely(!isPresent(motion, ray.time()))) return false;
+  return VertIntersector1<RayType, MovingVertBlock>::intersect(ray, context, vertRay, block,
+                                                               timeInMotion(motion, ray.time()));
 }
 
-/*! As intersectMovingVert. block: a MeshHeader. */
+/*! block: a MeshHeader. */
 template<typename RayType>
 __noinline bool intersectMovingMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
   const VertMotion motion = motionOfMesh((const MeshHeader*)block);
