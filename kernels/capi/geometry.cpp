@@ -92,13 +92,23 @@ inline bool isValid(const CbvhGeometryQuery* query) {
   return false;
 }
 
-CbvhQuery innerQuery(const CbvhGeometryQuery& query) {
-  CbvhQuery inner;
-  inner.flags = query.flags;
-  inner.filter = query.filter ? filterHits : nullptr;
-  inner.filterUserPtr = (void*)&query;
-  return inner;
-}
+/* Options of the inner query. get() returns NULL for the defaults, which is quicker for single rays. */
+class InnerQuery {
+public:
+  InnerQuery(const CbvhGeometryQuery& query, unsigned int moreFlags) : flags(query.flags | moreFlags) {
+    if (flags == 0 && !query.filter) return;
+    options = {sizeof(options), flags, query.filter ? filterHits : nullptr, (void*)&query};
+    used = &options;
+  }
+  const CbvhQuery* get() const { return used; }
+
+private:
+  const unsigned int flags;
+  union {
+    CbvhQuery options; // not initialized unless it is used
+  };
+  const CbvhQuery* used = nullptr;
+};
 
 } // namespace
 
@@ -107,25 +117,26 @@ void cbvhIntersectGeometry(const CbvhGeometryQuery* query) {
   const unsigned int N = query->N;
   void* const rays = query->rays;
   void* const hits = (Word*)rays + RAY_WORDS * N;
-  CbvhQuery inner = innerQuery(*query);
   if (N == 1) {
-    if (query->valid[0] && cbvhIntersect1(query->group, (CbvhRayHit*)rays, &inner)) writeHitIDs(*query, hits, 1, 0);
+    if (query->valid[0] && cbvhIntersect1(query->group, (CbvhRayHit*)rays, InnerQuery(*query, 0).get()))
+      writeHitIDs(*query, hits, 1, 0);
     return;
   }
   if (N == 4 || N == 8 || N == 16) {
-    inner.flags |= packetFlags(rays, N, query->valid);
+    const InnerQuery inner(*query, packetFlags(rays, N, query->valid));
     const auto intersect = N == 4 ? cbvhIntersect4 : N == 8 ? cbvhIntersect8 : cbvhIntersect16;
-    const unsigned int found = intersect(query->group, query->valid, rays, &inner);
+    const unsigned int found = intersect(query->group, query->valid, rays, inner.get());
     for (unsigned int i = 0; i < N; i++)
       if (found & (1u << i)) writeHitIDs(*query, hits, N, i);
     return;
   }
+  const InnerQuery inner(*query, 0);
   for (unsigned int i = 0; i < N; i++) {
     if (query->valid[i] == 0) continue;
     CbvhRayHit one;
     copyWords(&one.ray, 1, 0, rays, N, i, RAY_WORDS);
     one.hit.geomID = one.hit.instID = RTC_INVALID_GEOMETRY_ID;
-    if (!cbvhIntersect1(query->group, &one, &inner)) continue;
+    if (!cbvhIntersect1(query->group, &one, inner.get())) continue;
     wordOf(rays, N, RAY_TFAR, i) = wordOf(&one.ray, 1, RAY_TFAR, 0);
     copyWords(hits, N, i, &one.hit, 1, 0, HIT_INST_ID);
     writeHitIDs(*query, hits, N, i);
@@ -136,21 +147,21 @@ void cbvhOccludedGeometry(const CbvhGeometryQuery* query) {
   if (!isValid(query)) return;
   const unsigned int N = query->N;
   void* const rays = query->rays;
-  CbvhQuery inner = innerQuery(*query);
   if (N == 1) {
-    if (query->valid[0]) cbvhOccluded1(query->group, (CbvhRay*)rays, &inner);
+    if (query->valid[0]) cbvhOccluded1(query->group, (CbvhRay*)rays, InnerQuery(*query, 0).get());
     return;
   }
   if (N == 4 || N == 8 || N == 16) {
-    inner.flags |= packetFlags(rays, N, query->valid);
+    const InnerQuery inner(*query, packetFlags(rays, N, query->valid));
     const auto occluded = N == 4 ? cbvhOccluded4 : N == 8 ? cbvhOccluded8 : cbvhOccluded16;
-    occluded(query->group, query->valid, rays, &inner);
+    occluded(query->group, query->valid, rays, inner.get());
     return;
   }
+  const InnerQuery inner(*query, 0);
   for (unsigned int i = 0; i < N; i++) {
     if (query->valid[i] == 0) continue;
     CbvhRay one;
     copyWords(&one, 1, 0, rays, N, i, RAY_WORDS);
-    if (cbvhOccluded1(query->group, &one, &inner)) wordOf(rays, N, RAY_TFAR, i) = wordOf(&one, 1, RAY_TFAR, 0);
+    if (cbvhOccluded1(query->group, &one, inner.get())) wordOf(rays, N, RAY_TFAR, i) = wordOf(&one, 1, RAY_TFAR, 0);
   }
 }
