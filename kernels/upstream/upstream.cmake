@@ -207,9 +207,16 @@ function(upstream_link from to)
   endforeach()
 endfunction()
 
-# Copies public headers, because upstream installs their folder and would install links as links.
+# Copies public headers, because upstream installs their folder and would install links as links. Removes copies of
+# headers that no longer exist.
 function(upstream_headers from to)
   file(GLOB headers RELATIVE "${from}" CONFIGURE_DEPENDS "${from}/*.h")
+  foreach(header IN LISTS UPSTREAM_HEADERS)
+    if(NOT header IN_LIST headers)
+      file(REMOVE "${to}/${header}")
+    endif()
+  endforeach()
+  set(UPSTREAM_HEADERS "${headers}" CACHE INTERNAL "headers that were copied")
   foreach(header IN LISTS headers)
     configure_file("${from}/${header}" "${to}/${header}" COPYONLY)
   endforeach()
