@@ -10,12 +10,12 @@
     scripts/benchmark.py gpu          speed and memory on a Vulkan device, and the same on one CPU thread
     scripts/benchmark.py gpu-quick    a shorter version of gpu for any device, including llvmpipe
 
---list prints what a set measures and how long that takes on this machine.
+--list prints what a set measures and about how long that takes on two idle cores.
 
-Each job has its own record under output/benchmark/SET, which is rewritten after each level. If a run was stopped or
-the disk was full, the same command continues with the first missing level. A record that is damaged or belongs to
-another build is measured again; the old one is kept as *.json.old until then. scripts/report.py makes a page of the
-records. Jobs that require a Vulkan device are skipped with a message if there is none.
+Each job has its own record under output/benchmark/SET, which is rewritten after each level. If a run was stopped, the
+same command continues with the first missing level. A record that is damaged or belongs to another build is measured
+again; the old one is kept as *.json.old until then. scripts/report.py makes tables and plots of the records. Jobs that
+require a Vulkan device are skipped with a message if there is none.
 """
 
 import argparse
@@ -27,16 +27,11 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
-import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import bench_disk as disk  # noqa: E402
 import bench_records as records  # noqa: E402
 import benchmark_sets as sets  # noqa: E402
-from bench_progress import Progress, clock  # noqa: E402
-from bench_times import Times  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -244,11 +239,6 @@ def devices_of(record):
     return {result["on_device"]["device"] for result in results if "on_device" in result}
 
 
-def backup_path(path):
-    """Path of a record that is kept until its replacement is complete."""
-    return path.with_name(path.name + ".old")
-
-
 def reason_to_repeat(record, job, build, device):
     """Returns the reason why a record must be measured again, or ""."""
     if record["run"]["commit"] != build["commit"] or not has_same_settings(job, record["run"]["command"]):
@@ -257,7 +247,7 @@ def reason_to_repeat(record, job, build, device):
     return f"of the device {', '.join(sorted(others))}" if others else ""
 
 
-def finished_levels(job, folder, build, device, progress, fresh):
+def finished_levels(job, folder, build, device, fresh):
     """Returns the levels of a job for which complete records of the same build and settings exist."""
     done = set()
     for path in sorted(folder.glob(f"{job.name}_L*.json")):
@@ -267,9 +257,9 @@ def finished_levels(job, folder, build, device, progress, fresh):
         except records.Damaged as error:
             problem = str(error)
         if problem or fresh:
-            path.replace(backup_path(path))
+            path.replace(path.with_name(path.name + ".old"))  # kept until its replacement is complete
             if problem and not fresh:
-                progress.print_line(f"{path.name}: {problem}; measured again")
+                print(f"{path.name}: {problem}; measured again")
         else:
             done.update(group["level"] for group in record["groups"])
     return done
@@ -293,97 +283,62 @@ def command_of(bench, job, levels, folder):
     return command + ["--map-folder", os.path.relpath(folder / "maps")]  # jobs share trex's displacement map
 
 
-class Runner:
-    def __init__(self, bench, folder, progress):
-        self.bench, self.folder, self.progress = bench, folder, progress
-        self.process = None
-        self.stopped = False
-        self.disk_full = ""  # a message if the disk is full
-
-    def stop(self, *_):
-        self.stopped = True
-        if self.process and self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
-
-    def measure(self, job, levels):
-        """Runs one process. Returns its exit status and the last line that it wrote to standard error."""
-        self.disk_full = disk.write_problem(self.folder)
-        if self.disk_full:
-            return 1, self.disk_full
-        command = command_of(self.bench, job, levels, self.folder)
-        last = []
-        # Unbuffered: buffered output could not be written to a full disk at the end, either.
-        with open(self.folder / f"{job.name}.log", "ab", buffering=0) as log:
-            # In its own process group: only this script receives Ctrl-C, and interrupts the process once.
-            self.process = subprocess.Popen(
-                command, stdout=log, stderr=subprocess.PIPE, text=True, start_new_session=True
-            )
-            watcher = threading.Thread(target=self.watch, args=(self.process.stderr, log, last), daemon=True)
-            watcher.start()
-            if self.stopped:
-                self.stop()
-            while self.process.poll() is None:
-                self.progress.draw()
-                self.check_free_space()
-                time.sleep(0.2)
-            watcher.join()
-        if self.process.returncode and not self.stopped:
-            self.disk_full = self.disk_full or disk.write_problem(self.folder)
-        return self.process.returncode, last[-1].strip() if last else ""
-
-    def check_free_space(self):
-        """Stops the process if there is no room left to write its next level."""
-        if not self.disk_full:
-            self.disk_full = disk.low_space_problem(self.folder)
-            if self.disk_full:
-                self.process.send_signal(signal.SIGINT)
-
-    def watch(self, stream, log, last):
-        for line in stream:
-            try:
-                log.write(line.encode())
-            except OSError:
-                pass  # the disk is full; the process continues until it cannot write its results
-            last.append(line)
-            if line.startswith("  "):
-                self.progress.step = line.strip().rsplit(":", 1)[0]
+def measure(command, log_path):
+    """Runs one process. Returns its exit status and the last line that it wrote. An interrupt of this script is passed
+    on: the process then ends after it has written its finished levels."""
+    with open(log_path, "ab") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log, start_new_session=True)
+        try:
+            status = process.wait()
+        except KeyboardInterrupt:
+            process.send_signal(signal.SIGINT)
+            process.wait()
+            raise
+    lines = log_path.read_text(encoding="utf-8", errors="replace").strip().split("\n")
+    return status, lines[-1].strip()
 
 
-def print_list(jobs, times, cage):
-    """Prints the jobs and their durations."""
-    total = 0
+def print_list(jobs, cage):
     for job in jobs:
-        seconds, is_measured = times.expected(job, job.levels)
-        total += seconds
-        print(
-            f"{job.name:18s} {job.figures:34s} {job.scene or cage}, levels {level_text(job.levels)}, "
-            + (f"took {clock(seconds)}" if is_measured else f"about {clock(seconds)}")
-        )
-    basis = (
-        f"at {times.slowdown():.2f} times the planned time, as measured here"
-        if times.known
-        else "as planned for two idle cores; a run notes what it took here"
-    )
-    print(f"{len(jobs)} jobs, about {clock(total)}, {basis}")
+        place = f"{job.scene or cage}, levels {level_text(job.levels)}"
+        print(f"{job.name:18s} {job.figures:34s} {place}, about {clock(job.seconds)}")
+    print(f"{len(jobs)} jobs, about {clock(sum(job.seconds for job in jobs))}, planned for two idle cores")
+
+
+def clock(seconds):
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def run_job(job, levels, bench, folder):
+    """Measures some levels of a job. Returns False if it failed."""
+    print(f"  {job.name:18s} {job.figures}, level {level_text(levels)}", flush=True)
+    status, message = measure(command_of(bench, job, levels, folder), folder / f"{job.name}.log")
+    too_large = status and job.heavy and ("not enough memory" in message or "out of memory" in message)
+    if too_large:
+        missing = unwritten_levels(record_of(job, levels, folder), levels)
+        print(f"  {job.name:18s} level {level_text(missing)} left out: {message.split(': ', 1)[-1]}")
+    elif status:
+        print(f"  {job.name:18s} failed with status {status}: {message}")
+        if "cannot be written" in message:
+            raise Failure(f"{folder}: {message}; results so far are kept, and the same command continues with the rest")
+        return False
+    for path in folder.glob(f"{job.name}_L*.json.old"):
+        path.unlink()
+    return True
 
 
 def run(options):
     bench = Path(options.bench) if options.bench else ROOT / "build/release/tutorials/bench/cbvh_bench"
-    prints_only = options.list or options.print_commands
-    if prints_only and not options.bench and not bench.is_file():
-        print(
-            f"there is no build yet at {bench}: the list may contain jobs that a build does not support",
-            file=sys.stderr,
-        )
+    if (options.list or options.print_commands) and not options.bench and not bench.is_file():
+        print(f"no build yet at {bench}: the list may contain jobs that a build does not support", file=sys.stderr)
         build = {"scenes": sets.scenes_of(options.set) if options.set in sets.NAMES else [], "isas": list(sets.ISAS)}
     else:
         build = build_info(bench)
     jobs = choose_jobs(options, build)
     folder_name = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
     folder = Path(folder_name) if options.output else ROOT / folder_name
-    times = Times(folder)
     if options.list:
-        print_list(jobs, times, options.cage)
+        print_list(jobs, options.cage)
         return 0
     if options.print_commands:
         for job in jobs:
@@ -392,65 +347,30 @@ def run(options):
     jobs, device = supported_jobs(jobs, bench, options.device)
     if not jobs:
         return 0
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise Failure(f"{folder}: cannot create the folder: {error.strerror}") from error
-
-    progress = Progress({})
+    folder.mkdir(parents=True, exist_ok=True)
     pending = []
     for job in jobs:
-        done = finished_levels(job, folder, build, device, progress, options.fresh)
+        done = finished_levels(job, folder, build, device, options.fresh)
         levels = [level for level in job.levels if level not in done]
-        if levels:
-            pending.append((job, levels, times.expected(job, levels)[0]))
-    complete_count = len(jobs) - len(pending)
-    progress = Progress({job.name: seconds for job, _, seconds in pending})
+        pending += [(job, levels)] if levels else []
     print(
-        f"{options.set}: {len(jobs)} jobs, {complete_count} of them measured before; about {clock(progress.total)}; "
+        f"{options.set}: {len(jobs)} jobs, {len(jobs) - len(pending)} of them measured before; "
         f"{build['hardware_threads']} threads, commit {build['commit']}"
         + (f"; Vulkan device {device}" if device else ""),
         flush=True,
     )
-
-    runner = Runner(bench, folder, progress)
-    signal.signal(signal.SIGINT, runner.stop)
-    signal.signal(signal.SIGTERM, runner.stop)
-    failed = 0
-    for job, levels, _ in pending:
-        progress.start(job.name)
-        status, message = runner.measure(job, levels)
-        duration = time.monotonic() - progress.begin
-        progress.finish()
-        if runner.disk_full:
-            progress.clear()
-            raise Failure(
-                f"{folder_name}: no room for results: {runner.disk_full}; results so far are kept, and the same command"
-                " continues with the rest"
-            )
-        if runner.stopped:
-            progress.print_line("stopped; results so far are kept, and the same command continues with the rest")
-            return 130
-        too_large = job.heavy and ("not enough memory" in message or "out of memory" in message)
-        if status == 0 or too_large:
-            for path in folder.glob(f"{job.name}_L*.json.old"):
-                path.unlink()
-        if status == 0:
-            times.record(job, levels, duration)
-            progress.print_line(f"  {job.name:18s} {job.figures:34s} {clock(duration)}")
-        elif too_large:
-            missing = unwritten_levels(record_of(job, levels, folder), levels)
-            progress.print_line(f"  {job.name:18s} level {level_text(missing)} left out: {message.split(': ', 1)[-1]}")
-        else:
-            failed += 1
-            progress.print_line(f"  {job.name:18s} failed with status {status}: {message}")
-    print(f"records in {folder_name}; a page of them: scripts/report.py {folder_name}")
-    return 1 if failed else 0
+    succeeded = [run_job(job, levels, bench, folder) for job, levels in pending]
+    print(f"records in {folder_name}; tables and plots of them: scripts/report.py {folder_name}")
+    return 0 if all(succeeded) else 1
 
 
 def main():
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return run(read_arguments())
+    except KeyboardInterrupt:
+        print("stopped; results so far are kept, and the same command continues with the rest")
+        return 130
     except Failure as error:
         print(f"benchmark.py: {error}", file=sys.stderr)
     except OSError as error:

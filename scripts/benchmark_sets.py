@@ -16,7 +16,7 @@ class Job:
     scene: str  # value of --scene; empty if the options name a cage
     levels: list
     options: str
-    seconds: float  # estimate for two cores, until bench_times.py has measured the job
+    seconds: float  # estimate for two cores
     heavy: bool = False  # may exceed the memory; it is skipped then instead of failing
     pictures: bool = True
 

@@ -2,10 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Draws the includes between folders, and writes the diagram into docs/architecture.md.
+"""Draws the includes between rooms of folders, and writes the picture and their table into docs/architecture.md.
 
-    scripts/draw_includes.py            writes the Mermaid diagram between the page's two markers
-    scripts/draw_includes.py --check    exits with 1 if the page has a different diagram
+    scripts/draw_includes.py            writes both between the page's two markers
+    scripts/draw_includes.py --check    exits with 1 if the page has a different picture
 
 An arrow means "includes". Arrows that follow from others are left out to keep the diagram readable.
 """
@@ -19,40 +19,55 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/architecture.md"
 BEGIN, END = "<!-- begin: scripts/draw_includes.py -->", "<!-- end -->"
 
-# Folders and their purposes, from applications down. A file belongs to the longest matching folder.
-FOLDERS = {
-    "tutorials": "programs, Python module, examples",
-    "common": "cages, maps, cameras, ray sets, metrics, images",
-    "kernels/interposer": "subdivision geometry of Embree 4 programs",
-    "kernels/capi": "libembree_cbvh.so",
-    "kernels/vulkan": "libembree3_vulkan.so and shaders",
-    "include": "public headers",
-    "kernels/cbvh/api": "rtc functions, and where Embree calls us",
-    "kernels/cbvh/operations": "each capability once, for all interfaces",
-    "kernels/cbvh/building": "sources, blocks, trees",
-    "kernels/cbvh/traversal": "rays, packets and point queries through the tree",
-    "kernels/cbvh/files": "saved and mapped surfaces",
-    "kernels/cbvh/backend": "a committed scene for back ends",
-    "kernels/cbvh/blocks": "the blocks of a geometry, triangles and clusters out",
-    "kernels/cbvh/exact": "cVERT: writer, SIMD decoders, intersectors",
-    "kernels/cbvh/paper": "cGRID, cVOXEL, cLEAF",
-    "kernels/cbvh/surface": "vertices, patches, lattices, shared borders",
-    "kernels/cbvh/settings": "what a geometry and a device keep",
-    "kernels/cbvh/base": "memory, IDs, statistics, Embree's vectors",
-    "kernels/cbvh/embree": "all includes of Embree's internals",
-    "kernels/cvert/clusters": "clusters for GPUs",
-    "kernels/cvert/file": "files: layout, reader, writer",
-    "kernels/cvert/encoder": "lattice, encoder",
-    "kernels/cvert/decoder": "validator, scalar decoder",
-    "kernels/cvert/rule": "when a ray hits a triangle",
-    "kernels/cvert/format": "blocks, cells, motion, numbers",
-    "kernels/cvert/portable": "language, lanes, errors",
+# Boxes of the picture, from applications down: a purpose, and the folders, each with its own purpose.
+ROOMS = {
+    "programs": {
+        "tutorials": "programs, Python module, examples",
+        "common": "cages, maps, cameras, ray sets, metrics, images",
+    },
+    "public headers": {"include": "of libembree3, its Vulkan part, and libembree_cbvh"},
+    "other libraries": {
+        "kernels/capi": "functions of cbvh.h, of both libraries",
+        "kernels/interposer": "subdivision geometry of Embree 4 programs",
+        "kernels/vulkan": "libembree3_vulkan.so and shaders",
+    },
+    "calls": {
+        "kernels/cbvh/api": "rtc functions, and where Embree calls us",
+        "kernels/cbvh/operations": "each capability once, for all interfaces",
+    },
+    "building": {"kernels/cbvh/building": "sources, blocks, trees"},
+    "traversal": {"kernels/cbvh/traversal": "rays, packets and point queries through the tree"},
+    "surfaces": {
+        "kernels/cbvh/files": "saved and mapped surfaces",
+        "kernels/cbvh/backend": "a committed scene for back ends",
+        "kernels/cbvh/blocks": "the blocks of a geometry, triangles and clusters out",
+    },
+    "representations": {
+        "kernels/cbvh/exact": "cVERT: writer, SIMD decoders, intersectors",
+        "kernels/cbvh/paper": "cGRID, cVOXEL, cLEAF",
+    },
+    "foundation": {
+        "kernels/cbvh/surface": "vertices, patches, lattices, shared borders",
+        "kernels/cbvh/base": "memory, IDs, statistics, Embree's vectors",
+        "kernels/cbvh/settings": "what a geometry and a device keep",
+        "kernels/cbvh/embree": "all includes of Embree's internals",
+    },
+    "codec": {
+        "kernels/cvert/clusters": "clusters for GPUs",
+        "kernels/cvert/file": "files: layout, reader, writer",
+        "kernels/cvert/encoder": "lattice, encoder",
+        "kernels/cvert/decoder": "validator, scalar decoder",
+        "kernels/cvert/rule": "when a ray hits a triangle",
+        "kernels/cvert/format": "blocks, cells, motion, numbers",
+        "kernels/cvert/portable": "language, lanes, errors",
+    },
 }
+ROOM_OF = {folder: room for room, folders in ROOMS.items() for folder in folders}
 
 
 def folder_of(path):
-    """Returns the longest of FOLDERS that contains a path, or None. The path is relative to the repository."""
-    inside = [folder for folder in FOLDERS if path.startswith(folder + "/")]
+    """Returns the folder of ROOM_OF that contains a path, or None. The path is relative to the repository."""
+    inside = [folder for folder in ROOM_OF if path.startswith(folder + "/")]
     return max(inside, key=len, default=None)
 
 
@@ -73,9 +88,9 @@ def target_of(file, include):
 
 
 def arrows():
-    """Returns pairs of different folders where a file of the first includes a header of the second."""
+    """Returns pairs of different rooms where a file of the first includes a header of the second."""
     found = set()
-    for folder in FOLDERS:
+    for folder in ROOM_OF:
         for file in sorted((ROOT / folder).rglob("*")):
             if file.suffix not in (".h", ".cpp", ".glsl", ".comp"):
                 continue
@@ -83,8 +98,8 @@ def arrows():
             for include in re.findall(r'^\s*#include [<"]([^>"]+)[>"]', file.read_text(), re.MULTILINE):
                 target = target_of(file, include)
                 other = folder_of(target) if target else None
-                if other and other != source:
-                    found.add((source, other))
+                if other and ROOM_OF[other] != ROOM_OF[source]:
+                    found.add((ROOM_OF[source], ROOM_OF[other]))
     return found
 
 
@@ -92,9 +107,9 @@ def has_path(graph, start, end):
     """True if a path of arrows leads from start to end."""
     pending, visited = [start], set()
     while pending:
-        folder = pending.pop()
+        room = pending.pop()
         for source, target in graph:
-            if source == folder and target not in visited:
+            if source == room and target not in visited:
                 if target == end:
                     return True
                 visited.add(target)
@@ -108,14 +123,23 @@ def transitive_reduction(graph):
 
 
 def diagram():
-    """Returns the diagram as a Mermaid flowchart."""
-    names = {folder: re.sub(r"\W", "_", folder) for folder in FOLDERS}
+    """Returns the diagram as a Mermaid flowchart, and the table of the folders."""
+    names = {room: re.sub(r"\W", "_", room) for room in ROOMS}
+    common_part = re.compile(r"^kernels/(cbvh/|cvert/)?")
     lines = ["```mermaid", "flowchart TD"]
-    lines += [f'  {names[folder]}["<b>{folder}</b><br>{purpose}"]' for folder, purpose in FOLDERS.items()]
-    order = list(FOLDERS)
-    drawn = sorted(transitive_reduction(arrows()), key=lambda arrow: tuple(map(order.index, arrow)))
+    for room, folders in ROOMS.items():
+        short = ", ".join(common_part.sub("", folder) for folder in folders)
+        lines.append(f'  {names[room]}["<b>{room}</b><br>{short}"]')
+    order, found = list(ROOMS), arrows()
+    for source, target in found:
+        if has_path(found, target, source):
+            sys.exit(f"draw_includes.py: {source} and {target} include each other")
+    drawn = sorted(transitive_reduction(found), key=lambda arrow: tuple(map(order.index, arrow)))
     lines += [f"  {names[source]} --> {names[target]}" for source, target in drawn]
-    return "\n".join([*lines, "```"])
+    lines += ["```", "", "| room | folder | contains |", "|---|---|---|"]
+    for room, folders in ROOMS.items():
+        lines += [f"| {room} | `{folder}` | {purpose} |" for folder, purpose in folders.items()]
+    return "\n".join(lines)
 
 
 def main():

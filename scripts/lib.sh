@@ -61,6 +61,7 @@ trap print_summary EXIT
 
 # Installs the missing packages of scripts/packages. Skips a package if an installed one provides it: our packages
 # provide Debian's Embree, and installing Debian's would remove them.
+# Prints and skips packages that the distribution lacks: a test that needs one is then skipped.
 #   install_packages [LINE]    the packages above this line of the file; by default those for the build and the tests
 install_packages() {
   command -v dpkg-query > /dev/null ||
@@ -81,19 +82,33 @@ install_packages() {
     echo "every package is present"
     return 0
   }
-  echo "installing$missing"
+  apt_as_root update || return
   # shellcheck disable=SC2086
-  run_apt install $missing
+  available=$(apt-cache policy $missing | awk '/^[^ ]/ { n = $1 } $1 == "Candidate:" && $2 != "(none)" { print n }')
+  chosen=
+  for package in $missing; do
+    case "
+$available" in
+      *"
+$package:"*) chosen="$chosen $package" ;;
+      *) echo "not available here: $package" ;;
+    esac
+  done
+  [ -n "$chosen" ] || return 0
+  echo "installing$chosen"
+  # shellcheck disable=SC2086
+  apt_as_root --no-install-recommends install $chosen
 }
 
-# run_apt COMMAND ARGUMENT...: apt-get as root, without questions, after an update of its lists
-run_apt() {
+# apt_as_root COMMAND ARGUMENT...: apt-get without questions
+apt_as_root() {
   sudo=
   [ "$(id -u)" = 0 ] || sudo=sudo
-  $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 update || return
-  $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0 \
-    --no-install-recommends "$@"
+  $sudo env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0 "$@"
 }
+
+# run_apt COMMAND ARGUMENT...: the same after an update of its lists
+run_apt() { apt_as_root update && apt_as_root --no-install-recommends "$@"; }
 
 # configure [PRESET]
 configure() {

@@ -47,14 +47,8 @@ def mapping_of(pid, path):
 
 
 def cached(path):
-    return int(
-        subprocess.run(
-            ["fincore", "--bytes", "--noheadings", "--output", "RES", str(path)],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-    )
+    command = ["fincore", "--bytes", "--noheadings", "--output", "RES", str(path)]
+    return int(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
 def load(program, path, folder, processes, view):
@@ -63,26 +57,10 @@ def load(program, path, folder, processes, view):
     runs = []
     for i in range(processes):
         record = folder / f"load-{i}.json"
-        command = [
-            program,
-            "--load",
-            path,
-            "--view",
-            VIEWS[view][0],
-            "--size",
-            VIEWS[view][1],
-            "--samples",
-            "4",
-            "--threads",
-            "1",
-            "--output",
-            folder / f"load-{i}",
-            "--json",
-            record,
-        ]
-        runs.append(
-            (subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL), record)
-        )
+        command = [program, "--load", path, "--view", VIEWS[view][0], "--size", VIEWS[view][1], "--samples", "4"]
+        command += ["--threads", "1", "--output", folder / f"load-{i}", "--json", record]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        runs.append((subprocess.Popen([str(word) for word in command], **quiet), record))
     mappings = [None] * processes
     while all(run.poll() is None for run, _ in runs):
         current = [mapping_of(run.pid, path) for run, _ in runs]
@@ -108,23 +86,8 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{options.scene}.cbvh"
     if not path.exists():
-        subprocess.run(
-            [
-                options.program,
-                "--scene",
-                options.scene,
-                "--level",
-                "6",
-                "--save",
-                path,
-                "--samples",
-                "1",
-                "--output",
-                folder / "save",
-            ],
-            check=True,
-            stdout=subprocess.DEVNULL,
-        )
+        command = [options.program, "--scene", options.scene, "--level", "6", "--save", path, "--samples", "1"]
+        subprocess.run([*command, "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
     mib = 1 << 20
     print(f"{path.name}: {path.stat().st_size / mib:.1f} MiB\n")
     print(

@@ -185,16 +185,8 @@ def measure_levels(program, folder, options):
                            "--output", folder / f"{scene}-{view}-{level}"],
                           folder / f"{scene}-{view}-{level}.json")  # fmt: skip
                 (result,) = run.finish()["results"]
-                rows.append(
-                    {
-                        "scene": scene,
-                        "view": view,
-                        "level": level,
-                        "size": options.size,
-                        "command": " ".join(run.command),
-                        **result,
-                    }
-                )
+                place = {"scene": scene, "view": view, "level": level, "size": options.size}
+                rows.append({**place, "command": " ".join(run.command), **result})
     return rows
 
 

@@ -100,17 +100,8 @@ def speeds_of_page():
 
 def front_table(rows):
     """GRID and cVERT in full views of three scenes."""
-    heads = [
-        "scene",
-        "million quads",
-        "MiB: GRID",
-        "cVERT",
-        "build, s: GRID",
-        "cVERT",
-        "coherent rays",
-        "incoherent rays",
-        "error, pixels",
-    ]
+    heads = ["scene", "million quads", "MiB: GRID", "cVERT", "build, s: GRID", "cVERT", "coherent rays"]
+    heads += ["incoherent rays", "error, pixels"]
     views, speeds, out = full_views(rows), speeds_of_page(), []
     for scene in FRONT_SCENES:
         pair = [views[scene, kind] for kind in ("GRID", "cVERT")]

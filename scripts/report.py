@@ -2,9 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Writes what benchmark.py measured as a self-contained HTML page, as Markdown tables and as a CSV file of all records.
+"""Writes what benchmark.py measured as tables in Markdown, as a plot for each scene and as a CSV file of all records.
 
-    scripts/report.py        reads output/benchmark/quick and writes report.html, tables.md and records.csv there
+    scripts/report.py        reads output/benchmark/quick and writes report.md, SCENE.svg and records.csv there
 """
 
 import argparse
@@ -12,11 +12,11 @@ import sys
 from pathlib import Path
 
 import whole_file
-from reporting import contents, records, scale, summary
+from reporting import gpu, plot, records, relations, scale, tables
 from reporting.data import Data
-from reporting.pages import render
 
 ROOT = Path(__file__).resolve().parent.parent
+HARD_CASES = ROOT / "build/release/tests/hard_cases"
 
 
 def fail(path, problem):
@@ -31,25 +31,11 @@ def write(path, text):
         fail(path, f"cannot be written: {error.strerror}")
 
 
-def check_outputs(outputs, folders):
-    """Rejects outputs that would overwrite an input record, or each other."""
-    records_read = [file for path in folders for file in (path.glob("*.json") if path.is_dir() else [path])]
-    for output in outputs:
-        record = whole_file.would_replace(output, records_read)
-        if record:
-            fail(output, f"would replace the record {record.name}; give another name")
-    if len({path.resolve() for path in outputs}) < len(outputs):
-        fail(outputs[0], "is named by two of --output, --tables and --csv; give another name")
-
-
 def read(folder, gpu=(), other_machines=()):
     """Returns the Data of the folders. Prints a warning for each record that cannot be used."""
-    for path, hint in [(folder, "; scripts/benchmark.py makes it"), *((path, "") for path in other_machines)]:
-        if not path.is_dir():
-            fail(path, f"no such folder{hint}")
-    for path in gpu:
+    for path in (folder, *gpu, *other_machines):
         if not path.exists():
-            fail(path, "no such file or folder; scripts/benchmark.py gpu-quick makes one")
+            fail(path, "no such file or folder; scripts/benchmark.py makes it")
     data = Data(folder, gpu, other_machines)
     if data.table.empty and not data.problems:
         fail(folder, "no measurements in it; scripts/benchmark.py makes them")
@@ -58,13 +44,34 @@ def read(folder, gpu=(), other_machines=()):
     return data
 
 
+def sections(data, against, scale_folder, folder):
+    """Yields titles, contents, and what to measure for sections without contents."""
+    if not data.is_own():
+        yield "The paper's statements", relations.section(data), "scenes of the paper"
+    for scene in data.scenes():
+        name = scene.replace(":", "_") + ".svg"
+        drawn = plot.write(folder / name, data.full[data.full.scene == scene], scene)
+        yield scene, [
+            *tables.of_scene(data, scene),
+            *([f"![speed and memory over error]({name})"] if drawn else []),
+        ], ""
+    yield "Packets, streams and any hit", tables.entrances(data), "the job entrances of scripts/benchmark.py"
+    yield "Instruction sets", tables.isas(data), "scripts/benchmark.py full --job isas, or --other-machine"
+    yield "GPU", gpu.section(data), "scripts/benchmark.py gpu-quick, or --gpu"
+    yield "Leaks, sheets and shadows", tables.checks(data), "jobs whose names begin with checks"
+    yield "Hard cases", tables.hard_cases(HARD_CASES), "scripts/test.sh --all-isas -R 'hard_cases|invalid_vertices'"
+    record = scale.read(scale_folder)
+    yield "Scale", scale.tables(record) if record else [], "scripts/measure_scale.py"
+    yield "Skipped", data.skipped("here"), ""
+    yield "The run, and its noise", tables.run(data, against), ""
+    yield "Commands", ["    " + command for command in data.table.command.drop_duplicates()], ""
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     default = ROOT / "output/benchmark/quick"
     parser.add_argument("folder", nargs="?", type=Path, default=default, metavar="DIR", help="records of benchmark.py")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="the page (default: report.html in DIR)")
-    parser.add_argument("--tables", type=Path, metavar="FILE", help="Markdown (default: tables.md next to the page)")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="all records (default: records.csv next to the page)")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="the report (default: report.md in DIR)")
     parser.add_argument("--against", type=Path, metavar="DIR", help="records of another run on the same machine")
     text = "record of a Vulkan device, or a folder of them; may be repeated"
     parser.add_argument("--gpu", type=Path, action="append", default=[], metavar="PATH", help=text)
@@ -81,24 +88,19 @@ def main():
         fail(options.scale, f"no {scale.RECORD} in it; scripts/measure_scale.py makes it")
     data = read(options.folder, options.gpu, options.other_machine)
     against = read(options.against) if options.against else None
-    page = options.output or options.folder / "report.html"
-    tables, csv = options.tables or page.with_name("tables.md"), options.csv or page.with_name("records.csv")
-    read_from = [options.folder, options.against, *options.gpu, *options.other_machine, options.scale]
-    check_outputs((page, tables, csv), filter(None, read_from))
-    scale_folder = options.scale or ROOT / "output/benchmark/scale"
-    sections = contents.sections(data, against, options.folder.resolve().name, scale_folder)
-    first, commands = summary.first_screen(data), data.table.command.drop_duplicates()
-    evaluation, missing = "the evaluation of Lier, Martinek, Stamminger and Selgrad (2018)", data.missing_paper_scenes()
-    subject = f"{evaluation}, made again by one command."
-    if missing:
-        subject = f"a part of {evaluation}. Not measured: {', '.join(missing)}."
-    if data.is_own():
-        subject = f"what they save and cost for {', '.join(data.scenes())}."
-    write(page, render("page.html", sections=sections, first=first, subject=subject, csv=csv.name))
-    write(tables, render("tables.md", sections=sections, first=first, commands=commands))
-    write(csv, records.csv(data.table))
-    size = f" ({page.stat().st_size / 2**20:.1f} MiB)" if page.is_file() else ""
-    print(f"{page}{size}, {tables}, {csv}")
+    report = options.output or options.folder / "report.md"
+    if report.suffix != ".md":
+        fail(report, "expected a name that ends in .md")
+    lines = ["# Measurements", "", "<!-- Made by scripts/report.py of records of scripts/benchmark.py. -->", ""]
+    for title, parts, missing in sections(
+        data, against, options.scale or ROOT / "output/benchmark/scale", report.parent
+    ):
+        if parts or (missing and not data.is_own()):
+            texts = [part if isinstance(part, str) else part.markdown() for part in parts]
+            lines += [f"## {title}", "", *(f"{text}\n" for text in texts or [f"Not measured: {missing}"])]
+    write(report, "\n".join(lines))
+    write(report.with_name("records.csv"), records.csv(data.table))
+    print(f"{report}, {report.with_name('records.csv')}")
     return 0
 
 

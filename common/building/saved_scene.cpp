@@ -3,6 +3,7 @@
 
 #include "building/saved_scene.h"
 #include "building/built_scene.h"
+#include "building/surface_handles.h"
 #include "basics/error.h"
 #include "basics/input_files.h"
 #include "basics/parallel.h"
@@ -13,26 +14,22 @@
 #include <ctime>
 
 namespace programs {
-namespace {
-
-struct FileRelease {
-  void operator()(RTCCompressedFile file) const { rtcReleaseCompressedFile(file); }
-};
-} // namespace
 
 /* Here, so that programs that do not save also run with older libraries, which lack these functions. */
 void BuiltScene::save(const std::string& path) const {
   requireNoInputFile(path);
-  const FileWriterHandle writer(rtcNewCompressedFileWriter(device->handle(), path.c_str()));
+  CbvhFileWriter made = nullptr;
+  cbvhNewFileWriter(contextOf(device->handle()).get(), path.c_str(), &made);
+  const FileWriterHandle writer(made);
   device->check("saving");
   Phase phase(path);
   for (size_t i = 0; i < numGeometries; i++) {
-    rtcAppendCompressedGeometry(writer.get(), rtcGetGeometry(scene.get(), unsigned(i)));
+    cbvhAppendSurface(writer.get(), surfaceOf(rtcGetGeometry(scene.get(), unsigned(i))).get());
     device->check("saving");
     phase.update(double(i + 1) / double(numGeometries));
     throwIfCanceled();
   }
-  rtcCommitCompressedFileWriter(writer.get());
+  cbvhCommitFileWriter(writer.get());
   device->check("saving");
 }
 
@@ -41,21 +38,25 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
   : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa))) {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t used = std::clock();
-  const std::unique_ptr<RTCCompressedFileTy, FileRelease> file(rtcOpenCompressedFile(device->handle(), path.c_str()));
+  CbvhFile opened = nullptr;
+  cbvhOpenFile(contextOf(device->handle()).get(), path.c_str(), &opened);
+  const FileHandle file(opened);
   device->check("opening a file");
   scene.reset(rtcNewScene(device->handle()));
-  descriptions.resize(rtcGetCompressedFileGeometryCount(file.get()));
+  descriptions.resize(cbvhGetFileSurfaceCount(file.get()));
   statistics.resize(descriptions.size());
-  parallelFor(descriptions.size(), 1, std::min(threads, unsigned(descriptions.size())), [&](size_t begin, size_t) {
-    const unsigned i = unsigned(begin);
-    rtcGetCompressedFileGeometryInfo(file.get(), i, &descriptions[i]);
-    rtcGetCompressedFileGeometryStatistics(file.get(), i, &statistics[i]);
-    const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
+  parallelFor(descriptions.size(), 1, std::min(threads, unsigned(descriptions.size())), [&](size_t i, size_t) {
+    cbvhGetFileSurfaceInfo(file.get(), i, &descriptions[i]);
+    cbvhGetFileSurfaceStatistics(file.get(), i, &statistics[i]);
+    CbvhSurface loaded = nullptr;
+    cbvhLoadFileSurface(file.get(), i, &loaded);
+    const SurfaceHandle surface(loaded);
     device->check("opening a file");
-    if (geometry) // null after an error that another thread's check() reported
-      rtcAttachGeometryByID(scene.get(), geometry.get(), i);
+    if (!surface) return; // after an error that another thread's check() reported
+    const GeometryHandle geometry(rtcNewGeometryFromSurface(device->handle(), surface.get()));
+    rtcAttachGeometryByID(scene.get(), geometry.get(), unsigned(i));
   });
-  for (const RTCCompressedFileGeometryInfo& geometry : descriptions)
+  for (const CbvhFileSurfaceInfo& geometry : descriptions)
     facesPerGeometry = std::max(facesPerGeometry, geometry.numPrimitives);
   rtcCommitScene(scene.get());
   device->check("opening a file");
@@ -66,13 +67,13 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
 
 size_t SavedScene::quads() const {
   size_t sum = 0;
-  for (const RTCCompressionStatistics& ofGeometry : statistics) sum += ofGeometry.numQuads;
+  for (const CbvhSurfaceStatistics& ofGeometry : statistics) sum += ofGeometry.numQuads;
   return sum;
 }
 
 size_t SavedScene::bytes() const {
   size_t sum = 0;
-  for (const RTCCompressedFileGeometryInfo& geometry : descriptions) sum += geometry.bytes;
+  for (const CbvhFileSurfaceInfo& geometry : descriptions) sum += geometry.bytes;
   return sum;
 }
 

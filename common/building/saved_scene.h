@@ -8,18 +8,13 @@
 #include "building/embree_device.h"
 #include "building/traced_scene.h"
 
-#include <embree3/rtcore_compressed_files.h>
+#include <embree3/cbvh.h>
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace programs {
-
-struct FileWriterRelease {
-  void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
-};
-using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRelease>;
 
 class SavedScene : public TracedScene {
 public:
@@ -28,7 +23,7 @@ public:
 
   RTCScene handle() const override { return scene.get(); }
   const SceneTracer& tracer() const override { return *embreeTracer; }
-  const std::vector<RTCCompressedFileGeometryInfo>& geometries() const { return descriptions; }
+  const std::vector<CbvhFileSurfaceInfo>& geometries() const { return descriptions; }
   size_t quads() const;
   size_t bytes() const;
 
@@ -50,8 +45,8 @@ private:
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
-  std::vector<RTCCompressedFileGeometryInfo> descriptions;
-  std::vector<RTCCompressionStatistics> statistics;
+  std::vector<CbvhFileSurfaceInfo> descriptions;
+  std::vector<CbvhSurfaceStatistics> statistics;
   unsigned facesPerGeometry = 1; // maximum over the geometries
   double opening = 0, openingProcessorSeconds = 0;
 };

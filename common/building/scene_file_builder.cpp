@@ -5,7 +5,8 @@
 #include "basics/hash.h"
 #include "basics/input_files.h"
 #include "basics/progress.h"
-#include "building/saved_scene.h"
+#include "building/subdivision_geometry.h"
+#include "building/surface_handles.h"
 
 #include <chrono>
 
@@ -89,11 +90,13 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compress when the geometry is committed
   const SharedTopology topology(device, model.cage, model.poses);
   const unsigned long long key = inputKey(model, representation, settings);
-  const FileWriterHandle writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), key));
+  CbvhFileWriter made = nullptr;
+  cbvhResumeFileWriter(contextOf(device.handle()).get(), path.c_str(), key, &made);
+  const FileWriterHandle writer(made);
   device.check("saving");
   FileBuildReport report;
   report.geometries = model.copies.size();
-  report.found = rtcGetCompressedFileWriterGeometryCount(writer.get());
+  report.found = cbvhGetFileWriterSurfaceCount(writer.get());
   const size_t quads = settings.rates ? settings.rates->quads : model.layout(settings.level).numQuads();
   const size_t left = report.geometries - report.found;
   report.quads = size_t(double(quads) * double(left) / double(report.geometries));
@@ -107,12 +110,12 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
       setDisplacement(context, model, i, settings.level, settings.rates.get());
       context.gaps = &gaps;
       const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments, model.shapeOf(i));
-      rtcAppendCompressedGeometry(writer.get(), geometry.get());
+      cbvhAppendSurface(writer.get(), surfaceOf(geometry.get()).get());
       device.check("saving");
       phase.update(double(i + 1 - report.found) / double(left));
       throwIfCanceled();
     }
-    rtcCommitCompressedFileWriter(writer.get());
+    cbvhCommitFileWriter(writer.get());
     device.check("saving");
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -5,10 +5,9 @@
  * calls (embree_calls.h), but not these. */
 
 #include "building/built_scene.h"
+#include "building/surface_handles.h"
 #include "basics/error.h"
 #include "basics/progress.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
 
 #include <cstring>
 
@@ -25,10 +24,10 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]
   if (!hasTriangles(builtAs))
     throw Error("looking up a triangle: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
   if (!hit.hit()) return false;
-  RTCCompressedTriangle triangle;
-  const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy));
-  const bool found = rtcFindCompressedTriangle(geometry, time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
-                                               &hit.normal.x, &triangle);
+  CbvhTriangle triangle;
+  const SurfaceHandle surface = surfaceOf(rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy)));
+  const bool found = cbvhFindTriangle(surface.get(), time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
+                                      &hit.normal.x, &triangle) != 0;
   if (found) std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
   else device->check("looking up a triangle");
   return found;
@@ -41,7 +40,7 @@ StoredMesh BuiltScene::storedMesh(float time) const {
     StoredMesh mesh;
     size_t firstFace = 0; // of the geometry whose parts are added
 
-    static bool add(void* self, const RTCCompressedPart* part) {
+    static int add(void* self, const CbvhPart* part) {
       Collector& collector = *static_cast<Collector*>(self);
       StoredMesh& mesh = collector.mesh;
       const unsigned first = unsigned(mesh.vertices.size()), width = part->width;
@@ -59,7 +58,7 @@ StoredMesh BuiltScene::storedMesh(float time) const {
   } collector;
   for (size_t i = 0; i < numGeometries; i++) {
     collector.firstFace = i * facesPerCopy;
-    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), time, Collector::add, &collector);
+    cbvhForEachPart(surfaceOf(rtcGetGeometry(scene.get(), unsigned(i))).get(), time, Collector::add, &collector);
   }
   device->check("reading the surface");
   throwIfCanceled();

@@ -5,8 +5,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "building/subdivision_geometry.h"
-
-#include <embree3/rtcore_dicing.h>
+#include "building/surface_handles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +16,8 @@ namespace {
 /* Quads that keep smooth shapes round: the 64 chords of an arc of a right angle deviate by 1/20000 of its length. */
 constexpr float smoothRate = 64.0f;
 
-RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing) {
-  RTCDicingArguments args;
-  rtcInitDicingArguments(&args);
+CbvhDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing) {
+  CbvhDicingArguments args;
   const auto set = [](float* out, Vec3f v) {
     out[0] = v.x;
     out[1] = v.y;
@@ -70,18 +68,17 @@ public:
         context.copy = &rates.copies[i];
       }
       const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, nullptr, model.shapeOf(i));
-      rtcDiceGeometry(geometry.get(), &args);
+      std::vector<float> diced(model.cage.faceIndices.size()); // displacement uses the previous rates meanwhile
+      cbvhDiceSurface(surfaceOf(geometry.get()).get(), &args, diced.data());
       device.check("dicing by the view");
-      const void* const data = rtcGetGeometryBufferData(geometry.get(), RTC_BUFFER_TYPE_LEVEL, 0);
-      const float* const levels = static_cast<const float*>(data);
-      rates.copies[i].rates.assign(levels, levels + model.cage.faceIndices.size());
+      rates.copies[i].rates = std::move(diced);
     }
     setLevels(model.cage, rates);
   }
 
 private:
   const Model& model;
-  RTCDicingArguments args;
+  CbvhDicingArguments args;
   std::vector<float> highest;
   EmbreeDevice device;
   SharedTopology topology;

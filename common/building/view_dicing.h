@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Edge rates for a view: quads of about a pixel, or as large as requested (embree3/rtcore_dicing.h). */
+/* Edge rates for a view: quads of about a pixel, or as large as requested (cbvhDiceSurface). */
 
 #include "building/built_scene.h"
 #include "building/edge_rates.h"

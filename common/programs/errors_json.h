@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
 
@@ -48,13 +47,6 @@ inline nlohmann::json errorsJson(const TrueErrors& e) {
                {"bias_pixels", e.bias},
                {"not_within_5_pixels_along_ray", e.outliers}});
   return json;
-}
-
-inline nlohmann::json heightBinsJson(const HeightBins& b) {
-  return {{"hits", b.hits},
-          {"quantiles_pixels", b.quantiles},
-          {"median_pixels", b.median},
-          {"inlier_rmse_pixels", b.inlierRmse}};
 }
 
 } // namespace programs

@@ -32,7 +32,6 @@ public:
 
   bool has(unsigned face) const { return limit.has(face); }
   const PatchWalk& patches() const { return walk; }
-  const LimitSurface& limitSurface() const { return limit; }
   TruePoint evaluate(const PatchPoint& p) const;
 
   /* Returns the nearest point to x that a search finds: by descent from `start`, then from samples of the parameters

@@ -9,6 +9,10 @@
  * libembree_cbvh.so contains the kernels of Embree CBVH and exports only this API. It can be loaded next to any version
  * of Embree. cbvh/embree.h makes its surfaces a geometry of the Embree that a renderer uses.
  *
+ * The drop-in replacement libembree3.so.3 exports the same functions, for its geometries: embree3/rtcore_surface.h
+ * returns the context of a device and the surface behind a geometry. A process may load both libraries, but objects of
+ * one are invalid in the other: link a program with one of them only.
+ *
  *   CbvhContext context;  cbvhNewContext(NULL, NULL, NULL, &context);
  *   CbvhSurface surface;  cbvhNewSurface(context, &surface);
  *   struct CbvhCage cage = {.structSize = sizeof(cage)};  // in C++: CbvhCage cage;
@@ -33,15 +37,17 @@
  * - CBVH_ERROR_UNKNOWN for failures that have no code, such as a C++ exception of a displacement function.
  *
  * Ownership: new objects have a reference count of 1. The retain functions add a reference, the release functions
- * remove one, and the last one frees the object; both ignore NULL. A surface retains its context, a group its context
- * and its surfaces. Arrays, structs and texts that an application passes are read during the call only, unless the
- * comment of the function states otherwise.
+ * remove one, and the last one frees the object; both ignore NULL. Files and writers have one owner: their release
+ * functions free them. Surfaces, files and writers retain their context, a group its context and its surfaces. Arrays,
+ * structs and texts that an application passes are read during the call only, unless the comment of the function states
+ * otherwise.
  *
  * Thread safety: any thread may call any function, with one restriction: while a thread changes an object, no other
  * thread may use the same object. The functions cbvhSet..., cbvhDiceSurface, cbvhCommitSurface and cbvhCommitGroup
- * change their object. cbvhCommitGroup also reads its surfaces, and changes surfaces whose mask was set. Rays read only
- * the group: it may be traced while its surfaces are set, diced or committed. A function that changes a surface while
- * another change of the surface is in progress, for example from a callback, returns CBVH_ERROR_INVALID_OPERATION.
+ * change their object, and all functions of a CbvhFileWriter change it. cbvhCommitGroup also reads its surfaces, and
+ * changes surfaces whose mask was set. Rays read only the group: it may be traced while its surfaces are set, diced or
+ * committed. A function that changes a surface while another change of the surface is in progress, for example from a
+ * callback, returns CBVH_ERROR_INVALID_OPERATION.
  *
  * Filter functions and error functions must not throw exceptions.
  *
@@ -59,8 +65,8 @@
  *   error: CBVH_ERROR_INVALID_ARGUMENT.
  *
  * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays,
- * hits and CbvhTriangle. Structs that the library passes to callbacks may grow at their end: CbvhDisplacementArguments,
- * CbvhFilterArguments, CbvhPart and CbvhCluster. Do not store arrays of them. */
+ * hits, CbvhTriangle and CbvhGeometryQuery. Structs that the library passes to callbacks may grow at their end:
+ * CbvhDisplacementArguments, CbvhFilterArguments, CbvhPart and CbvhCluster. Do not store arrays of them. */
 
 #include <stddef.h>
 
@@ -320,14 +326,26 @@ CBVH_API enum CbvhError cbvhSetSurfaceMesh(CbvhSurface surface, const struct Cbv
 
 /* Sets the edge rates of a cage so that its quads have about the requested size in a picture. Call it after
  * cbvhSetSurfaceCage, whose rates it replaces by powers of two. A commit releases the cage: for another view, call
- * cbvhSetSurfaceCage again. Edges are measured on the displaced surface: several threads call the displacement
- * function, for about 1/16 as many points as there will be quads.
+ * cbvhSetSurfaceCage again.
+ *
+ * Edges are measured on the displaced surface: several threads call the displacement function, for about 1/16 as many
+ * points as there will be quads. Lengths are measured as if the camera looked at them from the front: silhouettes,
+ * shadows and reflections get quads as fine as those of visible surfaces. The rate of an edge is the power of two that
+ * is nearest to the measured rate, so quads are between 0.7 and 1.4 times as long as requested. Both faces at an edge
+ * get the higher of their two rates. If the cage has several time steps, the step that requires the highest rates
+ * counts. Vertices that are not finite, and holes, are ignored.
  *
  * dicing: structSize is read.
  * rates:  written on success, one entry per index of the cage, or NULL.
  *
  * Returns CBVH_ERROR_INVALID_OPERATION if no cage was set since the last commit, and CBVH_ERROR_INVALID_ARGUMENT for
- * an invalid member, which the message names. After an error, the cage keeps its rates. */
+ * an invalid member, which the message names. After an error, the cage keeps its rates.
+ *
+ * For the surface of a geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION (embree3/rtcore_surface.h), sets its level buffer
+ * (RTC_BUFFER_TYPE_LEVEL); an existing one is replaced, not written to. The geometry must be committed since the last
+ * change of its buffers, and again afterwards. Returns CBVH_ERROR_INVALID_OPERATION for a geometry of another type, for
+ * a geometry that is not committed, that released its input or was loaded from a file, and if a time step has fewer
+ * vertices than the first one; and CBVH_ERROR_INVALID_ARGUMENT also for faces with an index past the vertices. */
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicingArguments* dicing, float* rates);
 
 /* Sets the accuracy of all later commits. A commit without new input fails if the accuracy changed, because
@@ -418,21 +436,32 @@ struct CbvhInterpolationPoints {
 CBVH_API enum CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface,
                                                          const struct CbvhInterpolationPoints* points);
 
-/* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface loads the file, and so does
- * rtcLoadCompressedGeometry of Embree CBVH. An existing file is replaced after everything is written: a crash or a full
- * disk leaves it unchanged. Reads and writes all blocks. Rays may be traced during the call.
+/* --- files: docs/formats/file.md specifies the format ------------------------------------------------ */
+
+/* Saves a committed surface to a file. The file stores blocks, tree, time steps, primitive numbers and statistics. It
+ * does not store the mask, the attributes and the control cage. Reads and writes all blocks. Rays may be traced during
+ * the call.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT for a path that cannot be written. Returns CBVH_ERROR_INVALID_OPERATION if the
- * surface is not committed, if writing fails, or if the surface was loaded from a file with a damaged block. */
+ * path: of the file. An existing file is replaced in one step after everything is written; it is unchanged if anything
+ *       fails before. Symbolic links are followed, and permissions of the file are kept. A killed process leaves a file
+ *       whose name continues with ".cbvh-part-" and 16 hexadecimal digits. The next save to the same path removes it,
+ *       unless another process is still writing it.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for a path that cannot be written or that names a device or a pipe. Returns
+ * CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if writing fails, for example on a full disk or at a
+ * limit of the file size, and for a surface from a file with a damaged block. For the surface of a geometry, also if
+ * the geometry is not compressed or changed since its commit, and if it is compressed only in part, because GRID stores
+ * the rest. SIGXFSZ does not reach the application. */
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
 
-/* Loads a surface from a file. The surface is committed and has no input. The file is mapped: rays can be traced at
- * once, blocks that no ray visits stay on disk, and processes share the memory. Two surfaces of one file in a process
- * do not share it: put one surface into several groups instead. Hits are equal to the bit to hits of the saved surface.
- * The file may be replaced or removed while the surface exists, but must not be written to or truncated.
+/* Loads the surface of a file with one surface. The surface is committed and has no input. The file is mapped: rays can
+ * be traced at once, blocks that no ray visits stay on disk, and processes share the memory. Two surfaces of one file
+ * in a process do not share it: put one surface into several groups instead. Hits are equal to the bit to hits of the
+ * saved surface. While the surface exists, the file may be replaced or removed, but must not be written to or
+ * truncated.
  *
- * context: retained by the surface.
- * path:    of a regular file that contains one surface.
+ * context: retained by the surface. It need not have the settings of the context that saved the file.
+ * path:    of a regular file.
  * surface: written on success.
  *
  * The file may have any representation of Embree CBVH. Surfaces in cLEAF and cVOXEL have no triangles. Parts in cGRID
@@ -441,8 +470,159 @@ CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
  * Returns CBVH_ERROR_INVALID_ARGUMENT for files that do not exist, have another format or version, are truncated, have
  * a damaged header, directory or tree, or contain several surfaces; the message states the reason. Blocks of a surface
  * that moves are checked during the call, other blocks when a ray visits them for the first time: damaged ones are then
- * left out, and the first one is reported to the error function. */
+ * left out, and the first one is reported to the error function. cbvhVerifyFile checks everything. */
 CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
+
+typedef struct CbvhFileWriterTy* CbvhFileWriter;
+
+/* Creates a writer for a file with any number of surfaces.
+ *
+ * context: retained by the writer.
+ * path:    as for cbvhSaveSurface.
+ * writer:  written on success.
+ *
+ * cbvhReleaseFileWriter frees the writer. It removes surfaces that were not committed; a writer of cbvhResumeFileWriter
+ * keeps them.
+ *
+ * Returns errors as cbvhSaveSurface. */
+CBVH_API enum CbvhError cbvhNewFileWriter(CbvhContext context, const char* path, CbvhFileWriter* writer);
+CBVH_API void cbvhReleaseFileWriter(CbvhFileWriter writer);
+
+/* Creates a writer that can be resumed after an interruption, for surfaces that take long to build.
+ *
+ * If the writer is released or the process ends before cbvhCommitFileWriter, the appended surfaces are kept next to the
+ * file, under its path with ".part" appended. The next writer with the same path and key continues after them:
+ * cbvhGetFileWriterSurfaceCount returns their number, and the application appends the remaining surfaces. A released
+ * writer loses no surface. A killed process and a full disk lose the last surface and up to 64 MiB of surfaces before
+ * it.
+ *
+ * key: number that identifies the input of the surfaces, so that files of different input are not mixed.
+ *
+ * Returns errors as cbvhNewFileWriter, and CBVH_ERROR_INVALID_ARGUMENT if the kept part has another key, is of another
+ * version of the library or is damaged, and while another writer uses it. */
+CBVH_API enum CbvhError cbvhResumeFileWriter(CbvhContext context, const char* path, unsigned long long key,
+                                             CbvhFileWriter* writer);
+
+/* Returns the number of surfaces in a writer, including those that a resumed writer continues after; 0 for NULL. */
+CBVH_API size_t cbvhGetFileWriterSurfaceCount(CbvhFileWriter writer);
+
+/* Appends a surface to a file. Its index in the file is the number of surfaces before it. The surface may be released
+ * afterwards: an application can save a scene that is larger than memory while it builds it. After a surface that
+ * cannot be saved, others can be appended. After a failed write nothing can be appended.
+ *
+ * Returns errors as cbvhSaveSurface, and CBVH_ERROR_INVALID_OPERATION for a writer that is committed, or whose earlier
+ * write failed. */
+CBVH_API enum CbvhError cbvhAppendSurface(CbvhFileWriter writer, CbvhSurface surface);
+
+/* Completes a file: writes everything to disk and renames it to its path. If it fails, an existing file at this path is
+ * unchanged.
+ *
+ * Returns CBVH_ERROR_INVALID_OPERATION for a writer without surfaces, to which surfaces can be appended afterwards, for
+ * a writer that is committed or whose earlier write failed, and if writing fails. */
+CBVH_API enum CbvhError cbvhCommitFileWriter(CbvhFileWriter writer);
+
+typedef struct CbvhFileTy* CbvhFile;
+
+/* Opens a file with any number of surfaces: maps it, and reads and checks its header and directory.
+ *
+ * context: of surfaces that are loaded from the file. Retained by the file.
+ * path:    as for cbvhLoadSurface.
+ * file:    written on success.
+ *
+ * cbvhReleaseFile frees the file. Surfaces that were loaded from it remain valid.
+ *
+ * Returns errors as cbvhLoadSurface, but several surfaces are no error. */
+CBVH_API enum CbvhError cbvhOpenFile(CbvhContext context, const char* path, CbvhFile* file);
+CBVH_API void cbvhReleaseFile(CbvhFile file);
+
+/* Returns the number of surfaces in a file; 0 for NULL. */
+CBVH_API size_t cbvhGetFileSurfaceCount(CbvhFile file);
+
+/* Input that a surface was built from. */
+enum CbvhSurfaceType {
+  CBVH_SURFACE_TYPE_CAGE = 0,
+  CBVH_SURFACE_TYPE_GRIDS = 1,
+  CBVH_SURFACE_TYPE_QUADS = 2,
+  CBVH_SURFACE_TYPE_TRIANGLES = 3
+};
+
+/* Representation of a surface. The values are those of RTCCompression in embree3/rtcore_compression.h. */
+enum CbvhRepresentation {
+  CBVH_REPRESENTATION_CGRID = 2,
+  CBVH_REPRESENTATION_CVOXEL = 3,
+  CBVH_REPRESENTATION_CLEAF = 4,
+  CBVH_REPRESENTATION_CVERT = 5
+};
+
+/* Description of a surface in a file. */
+struct CbvhFileSurfaceInfo {
+  size_t structSize CBVH_SIZE_OF(CbvhFileSurfaceInfo);
+  enum CbvhSurfaceType type CBVH_ZERO;
+  enum CbvhRepresentation representation CBVH_ZERO;
+  unsigned int numPrimitives CBVH_ZERO, numTimeSteps CBVH_ZERO;
+  float startTime CBVH_ZERO, endTime CBVH_ZERO; /* times of the first and the last time step */
+  float lower[3] CBVH_ZERO, upper[3] CBVH_ZERO; /* bounds at all times; lower is above upper if they are empty */
+  size_t bytes CBVH_ZERO;                       /* of its tree and blocks in the file */
+};
+
+/* Returns the description of a surface in a file, without loading the surface.
+ *
+ * index: below cbvhGetFileSurfaceCount.
+ * info:  written on success; structSize is read.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for an index out of range. */
+CBVH_API enum CbvhError cbvhGetFileSurfaceInfo(CbvhFile file, size_t index, struct CbvhFileSurfaceInfo* info);
+
+/* Statistics of a surface in a file, from its last commit. Sizes are in bytes, distances in units of the vertices. */
+struct CbvhSurfaceStatistics {
+  size_t structSize CBVH_SIZE_OF(CbvhSurfaceStatistics);
+  size_t topLevelBytes CBVH_ZERO; /* full-precision BVH over blocks */
+  size_t headerBytes CBVH_ZERO;   /* headers of all blocks */
+  size_t nodeBytes CBVH_ZERO;     /* compressed inner nodes */
+  size_t leafBytes CBVH_ZERO;     /* leaves: vertices or heights */
+  size_t motionBytes CBVH_ZERO;   /* the part of leafBytes for all time steps but the first */
+  size_t numBlocks CBVH_ZERO;
+  size_t numRawBlocks CBVH_ZERO;      /* blocks that store floats */
+  size_t numAffineBlocks CBVH_ZERO;   /* blocks that have an affine frame, because no projective frame was possible */
+  size_t numSolidLeaves CBVH_ZERO;    /* cLEAF leaves whose box is the surface */
+  size_t numQuads CBVH_ZERO;          /* quads in blocks; two triangles of a mesh count as a quad */
+  size_t numInvalidQuads CBVH_ZERO;   /* quads that were left out, as in CbvhGroupStatistics */
+  size_t numFallbackQuads CBVH_ZERO;  /* quads of a cLEAF surface that are stored as cVERT */
+  size_t numFlippedQuads CBVH_ZERO;   /* quads whose stored normal differs from their vertices' normal by more than 90
+                                       * degrees */
+  size_t numMeshQuads CBVH_ZERO;      /* quads of quad meshes, plus pairs of triangles of triangle meshes */
+  size_t numIrregularQuads CBVH_ZERO; /* those of numMeshQuads that are in no grid of at least 4 x 4 quads */
+  size_t numMovingQuads CBVH_ZERO;    /* quads with several time steps */
+  float maxLeafThickness CBVH_ZERO;   /* largest distance between the two bounds of a leaf */
+  float maxVertexSpacing CBVH_ZERO;   /* largest spacing of a lattice */
+  float maxVertexDeviation CBVH_ZERO; /* largest distance by which a vertex was moved */
+  float maxBorderMismatch CBVH_ZERO;  /* largest distance between the vertices that two faces evaluate at the same
+                                       * place; the stored surface has no such gap */
+};
+
+/* Returns the statistics of a surface in a file, without loading the surface.
+ *
+ * index:      below cbvhGetFileSurfaceCount.
+ * statistics: written on success; structSize is read.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for an index out of range. */
+CBVH_API enum CbvhError cbvhGetFileSurfaceStatistics(CbvhFile file, size_t index,
+                                                     struct CbvhSurfaceStatistics* statistics);
+
+/* Loads a surface of an open file, as cbvhLoadSurface does. Each call creates another surface. Several threads may load
+ * surfaces of a file at the same time.
+ *
+ * index:   below cbvhGetFileSurfaceCount.
+ * surface: written on success.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for an index out of range, and for a surface that is damaged or that the library
+ * does not support. */
+CBVH_API enum CbvhError cbvhLoadFileSurface(CbvhFile file, size_t index, CbvhSurface* surface);
+
+/* Reads a whole file, checks all blocks and compares the checksums. Takes as long as reading the file from disk.
+ *
+ * Returns CBVH_ERROR_INVALID_ARGUMENT for a damaged file; the message describes the damage. */
+CBVH_API enum CbvhError cbvhVerifyFile(CbvhFile file);
 
 /* --- groups: surfaces that are traced together ----------------------------------------- */
 
@@ -501,7 +681,7 @@ CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
 
-/* Checks whether a group can become a geometry. cbvhNewGeometry in cbvh/embree.h calls this function.
+/* Checks whether a group can become a geometry of Embree. cbvhNewGeometry in cbvh/embree.h calls this function.
  *
  * group: committed; the function does not check this.
  * flags: of the geometry.
@@ -620,7 +800,41 @@ CBVH_API unsigned int cbvhOccluded4(CbvhGroup group, const int* valid, void* ray
 CBVH_API unsigned int cbvhOccluded8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 CBVH_API unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
 
-/* --- access to stored triangles ---------------------------------------------------------- */
+/* --- rays of a geometry: for bindings of Embree, such as cbvh/embree.h --------------------- */
+
+/* Called with one hit of a geometry, which it accepts or rejects. ray, hit: an RTCRay and an RTCHit of the
+ * application's Embree, with the IDs of its scene. valid: -1; the function sets it to 0 to reject the hit. The function
+ * may change Ng, u, v and primID of a hit that it accepts, and decrease tfar; other changes have no effect. */
+typedef void (*CbvhGeometryFilterFunction)(void* userPtr, int* valid, void* ray, void* hit);
+
+/* Arguments of a callback that Embree calls for rays that enter the bounds of a geometry. */
+struct CbvhGeometryQuery {
+  CbvhGroup group;
+  const int* valid;                  /* one entry per ray: -1 for rays that are traced, otherwise 0 */
+  void* rays;                        /* RTCRayHitN or, for occlusion, RTCRayN of the application's Embree */
+  unsigned int N;                    /* number of rays */
+  unsigned int flags;                /* bits of CbvhQueryFlags, all others 0 */
+  unsigned int geomID;               /* written to hits */
+  unsigned int numLevels;            /* of instances, 1 to 32: RTC_MAX_INSTANCE_LEVEL_COUNT */
+  const unsigned int* instIDs;       /* one entry per level, written to hits */
+  const unsigned int* instPrimIDs;   /* the same; NULL if hits of the application's Embree have no such member */
+  CbvhGeometryFilterFunction filter; /* NULL: every hit counts */
+  void* filterUserPtr;               /* passed to the filter function */
+};
+
+/* Trace rays of the application's Embree through a group, as its callbacks for user geometry must: closest hits with
+ * the IDs of its scene, or any hit. The primIDs of hits number the primitives of all surfaces of the group
+ * consecutively. Packets of 4, 8 and 16 rays that are coherent are traced as such. If the query or the group is NULL,
+ * or numLevels is above 32, the functions trace nothing. */
+CBVH_API void cbvhIntersectGeometry(const struct CbvhGeometryQuery* query);
+CBVH_API void cbvhOccludedGeometry(const struct CbvhGeometryQuery* query);
+
+/* --- access to stored triangles ----------------------------------------------------------
+ *
+ * Only cVERT and cGRID store triangles. Surfaces of cbvhCommitSurface have them. Functions of this section, and
+ * cbvhForEachCluster, fail with CBVH_ERROR_INVALID_OPERATION for others: a surface from a file of another
+ * representation, and a surface of a geometry that is not compressed, or whose parts are not all stored as cVERT or
+ * cGRID. */
 
 /* A stored triangle. */
 struct CbvhTriangle {
@@ -641,13 +855,14 @@ struct CbvhTriangle {
  *               of meshes have the vertex order of the primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
  *
  * Returns 1 if (u,v) is on a triangle of the primitive. Returns 0 for an unknown primID, where triangles were left out,
- * outside of the time range, and on errors. The error function is called if the surface is not committed, or if its
- * file has a damaged block or stores no triangles. */
+ * outside of the time range, and on errors. The error function is called if the surface is not committed or has no
+ * triangles, or if its file has a damaged block. */
 CBVH_API int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
                               struct CbvhTriangle* triangle);
 
-/* A part of a surface: a grid of up to 16 x 16 quads. Quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1),
- * (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats.
+/* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Quad (x,y) has the triangles (x,y),
+ * (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats, with cGRID
+ * only inside of a face.
  *
  * An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which the second triangle,
  * or the first one, may be missing. A missing triangle has two equal vertices. */
@@ -673,7 +888,7 @@ typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
  * userPtr:  passed to the function.
  *
  * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_OPERATION if the surface is not
- * committed, or if its file has a damaged block or stores no triangles. */
+ * committed or has no triangles, or if its file has a damaged block. */
 CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
 
 /* --- clusters that GPUs read: docs/formats/clusters.md describes them and names the specifications ---- */
@@ -688,8 +903,8 @@ enum CbvhClusterFormat {
 /* Reason why a cluster stores floats instead of the requested format. */
 enum CbvhClusterReason {
   CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
-  CBVH_CLUSTER_REASON_FLOATS = 1,      /* the block stores floats, or more than 14 bits on an axis, and no lattice of
-                                        * the format represents these vertices */
+  CBVH_CLUSTER_REASON_FLOATS = 1,      /* the block stores floats, as all of cGRID, or more than 14 bits on an axis,
+                                        * and no lattice of the format represents these vertices */
   CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
                                         * belong to a moving mesh block */
   CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, the cluster is over 2^16
@@ -746,8 +961,8 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
  *             error ends the enumeration.
  *
  * Returns CBVH_OK also if the function ends the enumeration. Returns CBVH_ERROR_INVALID_ARGUMENT for an unknown format.
- * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed, if its file has a damaged block or stores no
- * triangles, or if it has more than 2^32 triangles, or more than the 29-bit primitive indices of DGF can count. */
+ * Returns CBVH_ERROR_INVALID_OPERATION if the surface is not committed or has no triangles, if its file has a damaged
+ * block, or if it has more than 2^32 triangles, or more than the 29-bit primitive indices of DGF can count. */
 CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format,
                                            CbvhClusterFunction function, void* userPtr,
                                            struct CbvhClusterStatistics* statistics);

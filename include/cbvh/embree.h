@@ -58,243 +58,91 @@ typedef struct RTCRayQueryContext CbvhInternalContext;
 typedef struct RTCIntersectContext CbvhInternalContext;
 #endif
 
-/* --- words of RTCRayN and RTCHitN ------------------------------------------------------------ */
-
-typedef unsigned int __attribute__((may_alias)) CbvhInternalWord;
-
-enum CbvhInternalWords {
-  CBVH_INTERNAL_RAY_DIR = 4,
-  CBVH_INTERNAL_RAY_TFAR = 8,
-  CBVH_INTERNAL_RAY_WORDS = 12,
-  /* instIDs of all levels, followed by the primIDs of instances of all levels */
-  CBVH_INTERNAL_HIT_PRIM_ID = 5,
-  CBVH_INTERNAL_HIT_GEOM_ID = 6,
-  CBVH_INTERNAL_HIT_INST_ID = 7
-};
-
-static inline CbvhInternalWord* cbvhInternalWordOf(void* of, unsigned int N, unsigned int word, unsigned int i) {
-  return (CbvhInternalWord*)of + word * N + i;
-}
-
-/* --- IDs of hits ------------------------------------------------------------------------ */
-
-/* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
-static inline void cbvhInternalWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group,
-                                           unsigned int geomID, const CbvhInternalContext* context) {
-  const unsigned int surface = *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i);
-  unsigned int level;
-  if (surface != 0)
-    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, surface);
-  *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_GEOM_ID, i) = geomID;
-  for (level = 0; level < RTC_MAX_INSTANCE_LEVEL_COUNT; level++) {
-    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + level, i) = context->instID[level];
-#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
-    *cbvhInternalWordOf(hits, N, CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT + level, i) =
-        context->instPrimID[level];
+#if RTC_MAX_INSTANCE_LEVEL_COUNT > 32
+#error "expected RTC_MAX_INSTANCE_LEVEL_COUNT of at most 32"
 #endif
-  }
-}
 
-/* --- filters ----------------------------------------------------------------------------- */
+/* --- callbacks: they convert arguments for cbvhIntersectGeometry and cbvhOccludedGeometry ----- */
 
-struct CbvhInternalFilterCall {
+struct CbvhInternalCall {
   const void* args; /* arguments of the callback */
   CbvhGroup group;
-  unsigned int geomID;
   CbvhInternalContext* context;
   unsigned int flags;
   int isOcclusion;
 };
 
-/* Calls the application's filters for one hit at a time: IDs must be translated, and the application's RTCHit may be
- * larger. Takes over what a filter may change. */
-static inline void cbvhInternalFilterHits(const struct CbvhFilterArguments* args) {
-  const struct CbvhInternalFilterCall* const call = (const struct CbvhInternalFilterCall*)args->userPtr;
-  unsigned int i, word, firstPrimitive;
-  for (i = 0; i < args->count; i++) {
-    struct RTCFilterFunctionNArguments filter;
-    struct RTCRay ray;
-    struct RTCHit hit;
-    int valid = -1;
-    if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
-      *cbvhInternalWordOf(&ray, 1, word, 0) = *cbvhInternalWordOf(args->rays, args->count, word, i);
-    for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
-      *cbvhInternalWordOf(&hit, 1, word, 0) = *cbvhInternalWordOf(args->hits, args->count, word, i);
-    firstPrimitive = 0u - hit.primID;
-    cbvhInternalWriteHitIDs(&hit, 1, 0, call->group, call->geomID, call->context);
-    firstPrimitive += hit.primID; /* what it has added */
-    filter.valid = &valid;
-    filter.geometryUserPtr = call->group;
-    filter.context = call->context;
-    filter.ray = (struct RTCRayN*)&ray;
-    filter.hit = (struct RTCHitN*)&hit;
-    filter.N = 1;
-    if (call->flags & CBVH_GEOMETRY_FLAG_FILTERS) {
+/* A CbvhGeometryFilterFunction that calls the filters that the flags of the geometry select. */
+static inline void cbvhInternalFilter(void* userPtr, int* valid, void* ray, void* hit) {
+  const struct CbvhInternalCall* const call = (const struct CbvhInternalCall*)userPtr;
+  struct RTCFilterFunctionNArguments filter;
+  filter.valid = valid;
+  filter.geometryUserPtr = call->group;
+  filter.context = call->context;
+  filter.ray = (struct RTCRayN*)ray;
+  filter.hit = (struct RTCHitN*)hit;
+  filter.N = 1;
 #if RTC_VERSION_MAJOR >= 4
-      if (call->isOcclusion)
-        rtcInvokeOccludedFilterFromGeometry((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
-      else rtcInvokeIntersectFilterFromGeometry((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
+  if (call->flags & CBVH_GEOMETRY_FLAG_FILTERS) {
+    if (call->isOcclusion)
+      rtcInvokeOccludedFilterFromGeometry((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
+    else rtcInvokeIntersectFilterFromGeometry((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
+  }
+  if (*valid && (call->flags & CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)) {
+    const struct CbvhFilterContext* const query = (const struct CbvhFilterContext*)call->context;
+    if (query->filter) query->filter(&filter);
+  }
 #else
-      if (call->isOcclusion) rtcFilterOcclusion((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
-      else rtcFilterIntersection((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
+  if (call->isOcclusion) rtcFilterOcclusion((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
+  else rtcFilterIntersection((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
 #endif
-    }
-#if RTC_VERSION_MAJOR >= 4
-    if (valid && (call->flags & CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)) {
-      const struct CbvhFilterContext* const query = (const struct CbvhFilterContext*)call->context;
-      if (query->filter) query->filter(&filter);
-    }
-#endif
-    if (!valid) {
-      args->valid[i] = 0;
-      continue;
-    }
-    *cbvhInternalWordOf(args->rays, args->count, CBVH_INTERNAL_RAY_TFAR, i) =
-        *cbvhInternalWordOf(&ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
-    hit.primID -= firstPrimitive; /* the caller adds it again */
-    for (word = 0; word <= CBVH_INTERNAL_HIT_PRIM_ID; word++)
-      *cbvhInternalWordOf(args->hits, args->count, word, i) = *cbvhInternalWordOf(&hit, 1, word, 0);
-  }
 }
 
-/* --- callbacks of the geometry ------------------------------------------------------------ */
-
-/* Returns CBVH_QUERY_FLAG_COHERENT if more than half of the rays of a packet are active and all of these have the same
- * signs of directions. */
-static inline unsigned int cbvhInternalPacketFlags(void* rays, unsigned int N, const int* valid) {
-  unsigned int axis, i, count = 0, negative[3] = {0, 0, 0};
-  for (i = 0; i < N; i++) {
-    if (valid[i] == 0) continue;
-    count++;
-    for (axis = 0; axis < 3; axis++)
-      negative[axis] += *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_DIR + axis, i) >> 31;
-  }
-  if (2 * count <= N) return 0;
-  for (axis = 0; axis < 3; axis++)
-    if (negative[axis] != 0 && negative[axis] != count) return 0;
-  return CBVH_QUERY_FLAG_COHERENT;
-}
-
-static inline void cbvhInternalStartQuery(struct CbvhQuery* query, struct CbvhInternalFilterCall* call,
-                                          const void* args, CbvhGroup group, unsigned int geomID,
-                                          CbvhInternalContext* context, unsigned int flags, int isOcclusion) {
-  query->structSize = sizeof(*query);
-  query->flags = 0;
-  query->filter = flags ? cbvhInternalFilterHits : NULL;
-  query->filterUserPtr = call;
-  if (flags) {
-    call->args = args;
-    call->group = group;
-    call->geomID = geomID;
-    call->context = context;
-    call->flags = flags;
-    call->isOcclusion = isOcclusion;
-  }
+/* call: passed to the filter. */
+static inline struct CbvhGeometryQuery cbvhInternalQuery(struct CbvhInternalCall* call, const int* valid, void* rays,
+                                                         unsigned int N, unsigned int geomID) {
+  struct CbvhGeometryQuery query;
+  query.group = call->group;
+  query.valid = valid;
+  query.rays = rays;
+  query.N = N;
+  query.flags = 0;
+  query.geomID = geomID;
+  query.numLevels = RTC_MAX_INSTANCE_LEVEL_COUNT;
+  query.instIDs = call->context->instID;
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  query.instPrimIDs = call->context->instPrimID;
+#else
+  query.instPrimIDs = NULL;
+#endif
 #if RTC_VERSION_MAJOR < 4
-  if (context->flags & RTC_INTERSECT_CONTEXT_FLAG_COHERENT) query->flags = CBVH_QUERY_FLAG_COHERENT;
+  if (call->context->flags & RTC_INTERSECT_CONTEXT_FLAG_COHERENT) query.flags = CBVH_QUERY_FLAG_COHERENT;
 #endif
+  query.filter = call->flags ? cbvhInternalFilter : NULL;
+  query.filterUserPtr = call;
+  return query;
 }
 
-static inline void cbvhInternalIntersect(const struct RTCIntersectFunctionNArguments* args, unsigned int flags) {
-  const CbvhGroup group = (CbvhGroup)args->geometryUserPtr;
-  const unsigned int N = args->N;
-  CbvhInternalWord* const rays = (CbvhInternalWord*)args->rayhit;
-  CbvhInternalWord* const hits = rays + CBVH_INTERNAL_RAY_WORDS * N;
-  struct CbvhQuery query;
-  struct CbvhInternalFilterCall call;
-  unsigned int i, word, found = 0;
-  cbvhInternalStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 0);
-  if (N == 1) {
-    if (args->valid[0] && cbvhIntersect1(group, (struct CbvhRayHit*)rays, &query))
-      cbvhInternalWriteHitIDs(hits, 1, 0, group, args->geomID, args->context);
-    return;
+/* Defines the callbacks of a geometry with these flags. */
+#define CBVH_INTERNAL_CALLBACKS(name, geometryFlags) \
+  static inline void cbvhInternalIntersect##name(const struct RTCIntersectFunctionNArguments* args) { \
+    struct CbvhInternalCall call = {args, (CbvhGroup)args->geometryUserPtr, args->context, geometryFlags, 0}; \
+    const struct CbvhGeometryQuery query = cbvhInternalQuery(&call, args->valid, args->rayhit, args->N, args->geomID); \
+    cbvhIntersectGeometry(&query); \
+  } \
+  static inline void cbvhInternalOccluded##name(const struct RTCOccludedFunctionNArguments* args) { \
+    struct CbvhInternalCall call = {args, (CbvhGroup)args->geometryUserPtr, args->context, geometryFlags, 1}; \
+    const struct CbvhGeometryQuery query = cbvhInternalQuery(&call, args->valid, args->ray, args->N, args->geomID); \
+    cbvhOccludedGeometry(&query); \
   }
-  if (N == 4 || N == 8 || N == 16) {
-    query.flags |= cbvhInternalPacketFlags(rays, N, args->valid);
-    if (N == 4) found = cbvhIntersect4(group, args->valid, rays, &query);
-    else if (N == 8) found = cbvhIntersect8(group, args->valid, rays, &query);
-    else found = cbvhIntersect16(group, args->valid, rays, &query);
-    for (i = 0; i < N; i++)
-      if (found & (1u << i)) cbvhInternalWriteHitIDs(hits, N, i, group, args->geomID, args->context);
-    return;
-  }
-  for (i = 0; i < N; i++) {
-    struct CbvhRayHit one;
-    if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
-      *cbvhInternalWordOf(&one.ray, 1, word, 0) = *cbvhInternalWordOf(rays, N, word, i);
-    one.hit.geomID = one.hit.instID = RTC_INVALID_GEOMETRY_ID;
-    if (!cbvhIntersect1(group, &one, &query)) continue;
-    *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) =
-        *cbvhInternalWordOf(&one.ray, 1, CBVH_INTERNAL_RAY_TFAR, 0);
-    for (word = 0; word < CBVH_INTERNAL_HIT_INST_ID; word++)
-      *cbvhInternalWordOf(hits, N, word, i) = *cbvhInternalWordOf(&one.hit, 1, word, 0);
-    cbvhInternalWriteHitIDs(hits, N, i, group, args->geomID, args->context);
-  }
-}
 
-static inline void cbvhInternalOccluded(const struct RTCOccludedFunctionNArguments* args, unsigned int flags) {
-  const CbvhGroup group = (CbvhGroup)args->geometryUserPtr;
-  const unsigned int N = args->N;
-  CbvhInternalWord* const rays = (CbvhInternalWord*)args->ray;
-  struct CbvhQuery query;
-  struct CbvhInternalFilterCall call;
-  unsigned int i, word;
-  cbvhInternalStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 1);
-  if (N == 1) {
-    if (args->valid[0]) cbvhOccluded1(group, (struct CbvhRay*)rays, &query);
-    return;
-  }
-  if (N == 4 || N == 8 || N == 16) {
-    query.flags |= cbvhInternalPacketFlags(rays, N, args->valid);
-    if (N == 4) cbvhOccluded4(group, args->valid, rays, &query);
-    else if (N == 8) cbvhOccluded8(group, args->valid, rays, &query);
-    else cbvhOccluded16(group, args->valid, rays, &query);
-    return;
-  }
-  for (i = 0; i < N; i++) {
-    struct CbvhRay one;
-    if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
-      *cbvhInternalWordOf(&one, 1, word, 0) = *cbvhInternalWordOf(rays, N, word, i);
-    if (cbvhOccluded1(group, &one, &query))
-      *cbvhInternalWordOf(rays, N, CBVH_INTERNAL_RAY_TFAR, i) = *cbvhInternalWordOf(&one, 1, CBVH_INTERNAL_RAY_TFAR, 0);
-  }
-}
-
-static inline void cbvhInternalIntersectPlain(const struct RTCIntersectFunctionNArguments* args) {
-  cbvhInternalIntersect(args, 0);
-}
-
-static inline void cbvhInternalOccludedPlain(const struct RTCOccludedFunctionNArguments* args) {
-  cbvhInternalOccluded(args, 0);
-}
-
-static inline void cbvhInternalIntersectFiltered(const struct RTCIntersectFunctionNArguments* args) {
-  cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_FILTERS);
-}
-
-static inline void cbvhInternalOccludedFiltered(const struct RTCOccludedFunctionNArguments* args) {
-  cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_FILTERS);
-}
+CBVH_INTERNAL_CALLBACKS(Plain, 0)
+CBVH_INTERNAL_CALLBACKS(Filtered, CBVH_GEOMETRY_FLAG_FILTERS)
 #if RTC_VERSION_MAJOR >= 4
-static inline void cbvhInternalIntersectContext(const struct RTCIntersectFunctionNArguments* args) {
-  cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
-}
-
-static inline void cbvhInternalOccludedContext(const struct RTCOccludedFunctionNArguments* args) {
-  cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
-}
-
-static inline void cbvhInternalIntersectBoth(const struct RTCIntersectFunctionNArguments* args) {
-  cbvhInternalIntersect(args, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
-}
-
-static inline void cbvhInternalOccludedBoth(const struct RTCOccludedFunctionNArguments* args) {
-  cbvhInternalOccluded(args, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
-}
+CBVH_INTERNAL_CALLBACKS(Context, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)
+CBVH_INTERNAL_CALLBACKS(Both, CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)
 #endif
+#undef CBVH_INTERNAL_CALLBACKS
 
 static inline void cbvhInternalBounds(const struct RTCBoundsFunctionArguments* args) {
   float lower[3], upper[3];
@@ -320,36 +168,31 @@ static inline void cbvhInternalBounds(const struct RTCBoundsFunctionArguments* a
  *
  * Thread safety: as rtcNewGeometry. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags) {
-  RTCGeometry geometry;
-  RTCIntersectFunctionN intersect = cbvhInternalIntersectPlain;
-  RTCOccludedFunctionN occluded = cbvhInternalOccludedPlain;
+  static const RTCIntersectFunctionN intersect[] = {
+      cbvhInternalIntersectPlain,
+      cbvhInternalIntersectFiltered,
 #if RTC_VERSION_MAJOR >= 4
-  const unsigned int known = CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS;
-#else
-  const unsigned int known = CBVH_GEOMETRY_FLAG_FILTERS;
+      cbvhInternalIntersectContext,
+      cbvhInternalIntersectBoth,
 #endif
-  if (cbvhCheckGeometry(group, flags, known) != CBVH_OK) return NULL;
+  };
+  static const RTCOccludedFunctionN occluded[] = {
+      cbvhInternalOccludedPlain,
+      cbvhInternalOccludedFiltered,
+#if RTC_VERSION_MAJOR >= 4
+      cbvhInternalOccludedContext,
+      cbvhInternalOccludedBoth,
+#endif
+  };
+  RTCGeometry geometry;
+  if (cbvhCheckGeometry(group, flags, sizeof(intersect) / sizeof(*intersect) - 1) != CBVH_OK) return NULL;
   geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return NULL;
-  if (flags == CBVH_GEOMETRY_FLAG_FILTERS) {
-    intersect = cbvhInternalIntersectFiltered;
-    occluded = cbvhInternalOccludedFiltered;
-  }
-#if RTC_VERSION_MAJOR >= 4
-  if (flags == CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS) {
-    intersect = cbvhInternalIntersectContext;
-    occluded = cbvhInternalOccludedContext;
-  }
-  if (flags == (CBVH_GEOMETRY_FLAG_FILTERS | CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS)) {
-    intersect = cbvhInternalIntersectBoth;
-    occluded = cbvhInternalOccludedBoth;
-  }
-#endif
   rtcSetGeometryUserPrimitiveCount(geometry, 1);
   rtcSetGeometryUserData(geometry, group);
   rtcSetGeometryBoundsFunction(geometry, cbvhInternalBounds, NULL);
-  rtcSetGeometryIntersectFunction(geometry, intersect);
-  rtcSetGeometryOccludedFunction(geometry, occluded);
+  rtcSetGeometryIntersectFunction(geometry, intersect[flags]);
+  rtcSetGeometryOccludedFunction(geometry, occluded[flags]);
   rtcCommitGeometry(geometry);
   return geometry;
 }

@@ -44,9 +44,9 @@
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
  * struct. In C++ default member initializers set structSize and all other members. In C write, for example, `struct
- * RTCCompressionStatistics statistics = {.structSize = sizeof(statistics)};`. RTCCompressionArguments and
- * RTCDicingArguments have members for which zero is not the default: in C call rtcInitCompressionArguments or
- * rtcInitDicingArguments, which sets all members. Versions only append members:
+ * RTCCompressionStatistics statistics = {.structSize = sizeof(statistics)};`. RTCCompressionArguments has members for
+ * which zero is not the default: in C call rtcInitCompressionArguments, which sets all members. Versions only append
+ * members:
  *
  * - When the library reads a struct, members that the application's version lacks count as zero. The library accepts a
  *   larger struct than its own if all additional bytes are zero.
@@ -54,10 +54,6 @@
  *   application's struct except structSize.
  * - A structSize that is below the size in the first version, above 4096, or not a multiple of sizeof(size_t) is an
  *   error: RTC_ERROR_INVALID_ARGUMENT.
- *
- * Structs without structSize that an application passes, such as RTCCompressedTriangle, never grow. Structs that the
- * library passes to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not
- * store arrays of them.
  *
  * As in Embree, rtcGetDeviceError returns the error code of a function that fails, and the function that
  * rtcSetDeviceErrorFunction sets receives the message. If the object of a function is NULL, rtcGetDeviceError(NULL)
@@ -68,6 +64,9 @@
  * unless its comment says otherwise. Like the functions that Embree calls, it must not throw exceptions.
  *
  * The manual page of a function names the version since which the function is available.
+ *
+ * rtcore_surface.h gives access to triangles, clusters and files of compressed geometry, and to edge rates for a
+ * camera.
  *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression Scheme for Ray Tracing Subdivision
  * Surfaces with Displacement", 2018. */
@@ -223,7 +222,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  * error the geometry keeps its settings. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
 
-/* Compression statistics of a committed scene, or of a geometry in a file. Sizes are in bytes. */
+/* Compression statistics of a committed scene. Sizes are in bytes. */
 struct RTCCompressionStatistics {
   size_t structSize RTC_COMPRESSION_SIZE_OF(RTCCompressionStatistics);
   size_t topLevelBytes RTC_ZERO;     // full-precision BVH over blocks and grids

@@ -158,7 +158,7 @@ enum RTCVulkanMemory {
   RTC_VULKAN_MEMORY_COPY = 1,  /* copies blocks to the memory of the device */
   RTC_VULKAN_MEMORY_IMPORT = 2 /* leaves blocks in host memory. Requires VK_EXT_external_memory_host. Fails if the
                                 * driver cannot import the memory: some drivers cannot import mapped files, which
-                                * rtcLoadCompressedGeometry uses */
+                                * cbvhLoadSurface uses */
 };
 
 enum RTCVulkanTraversal {

@@ -15,9 +15,7 @@ using namespace embree::capi;
 
 namespace {
 
-thread_local std::string errorText;                // text of cbvhGetErrorText
-thread_local Failure pendingError = {CBVH_OK, ""}; // error of Embree that no function has returned yet
-thread_local bool collectsErrors = false;          // this thread is in a function that returns such errors
+thread_local std::string errorText; // text of cbvhGetErrorText
 
 CbvhError codeOf(RTCError code) {
   switch (code) {
@@ -31,15 +29,33 @@ CbvhError codeOf(RTCError code) {
   }
 }
 
-/* Error function of the device. Stores the error for the API function that this thread is in. Functions for rays return
- * no errors: the application is notified at once. */
+RTCError codeOf(CbvhError code) {
+  switch (code) {
+  case CBVH_OK: return RTC_ERROR_NONE;
+  case CBVH_ERROR_INVALID_ARGUMENT: return RTC_ERROR_INVALID_ARGUMENT;
+  case CBVH_ERROR_INVALID_OPERATION: return RTC_ERROR_INVALID_OPERATION;
+  case CBVH_ERROR_OUT_OF_MEMORY: return RTC_ERROR_OUT_OF_MEMORY;
+  case CBVH_ERROR_UNSUPPORTED_CPU: return RTC_ERROR_UNSUPPORTED_CPU;
+  case CBVH_ERROR_CANCELLED: return RTC_ERROR_CANCELLED;
+  default: return RTC_ERROR_UNKNOWN;
+  }
+}
+
+/* Error function of a context's own device, for errors that no ErrorScope collects, such as those of rays. */
 void handleEmbreeError(void* context, RTCError code, const char* text) {
   Failure failure = {codeOf(code), ""};
   try {
     if (text) failure.text = text;
   } catch (const std::bad_alloc&) {} // without the text: exceptions must not leave functions of C
-  if (collectsErrors) pendingError = std::move(failure);
-  else ((const CbvhContextTy*)context)->report(failure);
+  ((const CbvhContextTy*)context)->report(failure);
+}
+
+/* Returns and clears the error that the current ErrorScope collected last. */
+Failure takeCollected() {
+  embree::core::ErrorCollector* const collector = embree::core::currentCollector();
+  if (!collector) return {CBVH_OK, ""};
+  const CbvhError code = codeOf(std::exchange(collector->last.code, RTC_ERROR_NONE));
+  return {code, std::exchange(collector->last.text, {})};
 }
 
 /* Must be called in a catch block. */
@@ -65,48 +81,57 @@ RTCDevice newDevice(const char* settings) {
 
 } // namespace
 
+const char RefCounted::thisLibrary = 0;
+
 CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr)
   : device(newDevice(settings)),
+    ownsDevice(true),
     function(function),
     userPtr(userPtr) {
   rtcSetDeviceErrorFunction(device, handleEmbreeError, this);
 }
 
+CbvhContextTy::CbvhContextTy(RTCDevice device)
+  : device(device),
+    ownsDevice(false),
+    function(nullptr),
+    userPtr(nullptr) {
+  rtcRetainDevice(device);
+}
+
 CbvhContextTy::~CbvhContextTy() {
-  rtcSetDeviceErrorFunction(device, nullptr, nullptr);
+  if (ownsDevice) rtcSetDeviceErrorFunction(device, nullptr, nullptr);
   rtcReleaseDevice(device);
 }
 
-Failure CbvhContextTy::takeError() const {
-  rtcGetDeviceError(device); // the call also clears the error
-  return std::exchange(pendingError, Failure{CBVH_OK, ""});
-}
+Failure CbvhContextTy::takeError() const { return takeCollected(); }
 
 void CbvhContextTy::check() const {
   const Failure failure = takeError();
   if (failure) throw failure;
 }
 
-CbvhError CbvhContextTy::report(const Failure& failure) const { return callErrorFunction(failure, function, userPtr); }
+CbvhError CbvhContextTy::report(const Failure& failure) const {
+  const ErrorScope none;
+  if (!ownsDevice) embree::core::raiseError(embreeDevice(), codeOf(failure.code), failure.text.c_str());
+  return callErrorFunction(failure, function, userPtr);
+}
 
 Failure embree::capi::caughtFailure() {
   Failure failure = exceptionAsFailure();
+  const Failure collected = takeCollected();
   try {
-    if (pendingError && pendingError.text != failure.text) failure.text += ": " + pendingError.text;
+    if (collected && collected.text != failure.text) failure.text += ": " + collected.text;
   } catch (const std::bad_alloc&) {} // without the reason
   return failure;
 }
 
-ErrorScope::ErrorScope(bool collects)
-  : outer(std::exchange(pendingError, Failure{CBVH_OK, ""})),
-    outerCollects(collectsErrors) {
-  collectsErrors = collects;
+ErrorScope::ErrorScope(const CbvhContextTy* context)
+  : outer(std::exchange(embree::core::currentCollector(), &collector)) {
+  if (context) collector.device = context->device;
 }
 
-ErrorScope::~ErrorScope() {
-  pendingError = std::move(outer); // a copy would allocate, and could throw
-  collectsErrors = outerCollects;
-}
+ErrorScope::~ErrorScope() { embree::core::currentCollector() = outer; }
 
 /* Keeps no text if there is no memory for it: exceptions must not leave functions of C. */
 static void setErrorText(const char* text) {

@@ -4,9 +4,9 @@
 #pragma once
 
 /* Contexts of the C API (include/cbvh/cbvh.h), and conversion of errors. Geometries, buffers, scenes and rays are
- * Embree's, called through its API, which this library contains but does not export; their errors go to the device's
- * error function. Other features are called in kernels/cbvh/operations, which throws. In comments of this folder,
- * "core" is kernels/cbvh/operations, and "kernels" is Embree with compression. */
+ * Embree's, called through its API, which libembree_cbvh contains but does not export; ErrorScope collects their
+ * errors. Other features are called in kernels/cbvh/operations, which throws. In comments of this folder, "core" is
+ * kernels/cbvh/operations, and "kernels" is Embree with compression. */
 
 #include "cbvh/cbvh.h"
 #include "cbvh/operations/errors.h"
@@ -36,13 +36,15 @@ struct Failure {
  * not thrown, such as why a block of a file is damaged. */
 Failure caughtFailure();
 
-/* Base of objects with a reference count, which starts at 1. Thread-safe. */
+/* Base of objects with a reference count, which starts at 1. Thread-safe. A process may contain this code twice, in
+ * libembree3 and in libembree_cbvh: isOurs() is false for objects of the other one. */
 class RefCounted {
 public:
-  RefCounted() : references(1) {}
+  RefCounted() : library(&thisLibrary), references(1) {}
   RefCounted(const RefCounted&) = delete;
   RefCounted& operator=(const RefCounted&) = delete;
 
+  bool isOurs() const { return library == &thisLibrary; }
   void retain() { references++; }
   void release() {
     if (--references == 0) delete this;
@@ -52,6 +54,9 @@ protected:
   virtual ~RefCounted() = default;
 
 private:
+  static const char thisLibrary;
+
+  const char* const library; // first, so that all versions have it in the same place
   std::atomic<size_t> references;
 };
 
@@ -83,15 +88,17 @@ private:
 } // namespace capi
 } // namespace embree
 
-/* A device of the kernels, and the application's error function. */
+/* A device of the kernels, and where errors go: to a function of the application or, if the application made the
+ * device, to the device. */
 struct CbvhContextTy : embree::capi::RefCounted {
   CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
+  explicit CbvhContextTy(RTCDevice device); // retains it
 
   embree::Device* embreeDevice() const { return (embree::Device*)device; }
 
-  RTCDevice device;
+  const RTCDevice device;
 
-  /* Returns and clears this thread's last error of Embree's API. */
+  /* Returns and clears the error of Embree's API that the current ErrorScope collected last. */
   embree::capi::Failure takeError() const;
 
   /* Throws the error of takeError(), if there is one. */
@@ -103,6 +110,7 @@ struct CbvhContextTy : embree::capi::RefCounted {
 private:
   ~CbvhContextTy() override;
 
+  const bool ownsDevice;
   const CbvhErrorFunction function;
   void* const userPtr;
 };
@@ -110,16 +118,17 @@ private:
 namespace embree::capi {
 
 /* Selects how this thread handles errors of Embree, until the destructor restores the previous state. Functions of this
- * library store errors, which CbvhContextTy::check() throws. During callbacks of the application, collects is false:
- * errors of rays that the callback traces are reported at once, and the function that called it does not fail. */
+ * library collect errors of their context, which CbvhContextTy::check() throws. During callbacks of the application,
+ * there is no context: errors of rays that the callback traces are reported at once, and the function that called it
+ * does not fail. */
 class ErrorScope {
 public:
-  explicit ErrorScope(bool collects = true);
+  explicit ErrorScope(const CbvhContextTy* context = nullptr);
   ~ErrorScope();
 
 private:
-  Failure outer;
-  const bool outerCollects;
+  core::ErrorCollector collector;
+  core::ErrorCollector* const outer;
 };
 
 /* Stores an error's text for cbvhGetErrorText, and calls an error function, which may be NULL and may cause further
@@ -130,13 +139,15 @@ CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, 
 template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure) {
   const RefPtr<CbvhContextTy> held(context); // callbacks may release the application's references
-  const ErrorScope errors;
   Failure failure;
-  try {
-    closure();
-    return CBVH_OK;
-  } catch (...) { failure = caughtFailure(); }
-  return context ? context->report(failure) : failure.code;
+  {
+    const ErrorScope errors(context);
+    try {
+      closure();
+      return CBVH_OK;
+    } catch (...) { failure = caughtFailure(); }
+  }
+  return context->report(failure);
 }
 
 /* Throws CBVH_ERROR_INVALID_ARGUMENT if a condition is false. */

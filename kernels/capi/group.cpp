@@ -120,8 +120,11 @@ CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t 
     require(count < 0xFFFFFFFFu, "too many surfaces: expected fewer than 4294967295");
     for (size_t i = 0; i < count; i++) {
       if (!surfaces[i]) throwInvalidArgument("surface " + std::to_string(i) + " is NULL");
-      if (surfaces[i]->context.get() != context)
+      if (surfaces[i]->context->device != context->device)
         throwInvalidArgument("surface " + std::to_string(i) + " belongs to another context");
+      if (surfaces[i]->refersToGeometry())
+        throwInvalidArgument("surface " + std::to_string(i) +
+                             " refers to a geometry: expected a surface that cbvhNewSurface or a file created");
     }
     *group = new CbvhGroupTy(context, surfaces, count);
   });
@@ -189,7 +192,7 @@ CbvhError cbvhCheckGeometry(CbvhGroup group, unsigned int flags, unsigned int kn
 void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]) {
   RTCBounds bounds = {INFINITY, INFINITY, INFINITY, 0, -INFINITY, -INFINITY, -INFINITY, 0};
   if (group) {
-    const ErrorScope errors; // without a commit, the bounds are empty
+    const ErrorScope errors(group->context.get()); // without a commit, the bounds are empty
     rtcGetSceneBounds(group->scene, &bounds);
   }
   const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z},

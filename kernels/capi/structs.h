@@ -8,6 +8,7 @@
 #include "cbvh/cbvh.h"
 
 #include "cbvh/operations/struct_size.h"
+#include "cbvh/base/surface_statistics.h"
 #include "cbvh/blocks/cluster.h"
 #include "cbvh/surface/dicing_camera.h"
 
@@ -26,6 +27,8 @@ CBVH_EXTENSIBLE_STRUCT(CbvhInterpolationPoints, dPdv);
 CBVH_EXTENSIBLE_STRUCT(CbvhGroupStatistics, maxVertexDeviation);
 CBVH_EXTENSIBLE_STRUCT(CbvhQuery, filterUserPtr);
 CBVH_EXTENSIBLE_STRUCT(CbvhClusterStatistics, numTrianglesByReason);
+CBVH_EXTENSIBLE_STRUCT(CbvhFileSurfaceInfo, bytes);
+CBVH_EXTENSIBLE_STRUCT(CbvhSurfaceStatistics, maxBorderMismatch);
 
 } // namespace core
 
@@ -49,6 +52,31 @@ inline CbvhTriangle toPublic(const cbvh::StoredTriangle& triangle) {
 
 inline CbvhPart toPublic(const cbvh::StoredPart& part) {
   return {part.primID, part.width, part.height, part.vertices, part.parameters, part.primIDs, part.primitivesPerQuad};
+}
+
+inline CbvhSurfaceStatistics toPublic(const cbvh::CompressionStatistics& from) {
+  CbvhSurfaceStatistics to;
+  to.topLevelBytes = from.topLevelBytes;
+  to.headerBytes = from.headerBytes;
+  to.nodeBytes = from.nodeBytes;
+  to.leafBytes = from.leafBytes;
+  to.motionBytes = from.motionBytes;
+  to.numBlocks = from.numBlocks;
+  to.numRawBlocks = from.numRawBlocks;
+  to.numAffineBlocks = from.numAffineBlocks;
+  to.numSolidLeaves = from.numSolidLeaves;
+  to.numQuads = from.numQuads;
+  to.numInvalidQuads = from.numInvalidQuads;
+  to.numFallbackQuads = from.numFallbackQuads;
+  to.numFlippedQuads = from.numFlippedQuads;
+  to.numMeshQuads = from.numMeshQuads;
+  to.numIrregularQuads = from.numIrregularQuads;
+  to.numMovingQuads = from.numMovingQuads;
+  to.maxLeafThickness = from.maxLeafThickness;
+  to.maxVertexSpacing = from.maxVertexSpacing;
+  to.maxVertexDeviation = from.maxVertexDeviation;
+  to.maxBorderMismatch = from.maxBorderMismatch;
+  return to;
 }
 
 static_assert(CBVH_CLUSTER_FORMAT_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1) &&

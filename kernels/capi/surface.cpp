@@ -5,8 +5,8 @@
 #include "structs.h"
 
 #include "cbvh/base/number_text.h"
+#include "cbvh/operations/device.h"
 #include "cbvh/operations/dicing.h"
-#include "cbvh/operations/files.h"
 #include "cbvh/operations/stored_surface.h"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ void displace(const RTCDisplacementFunctionNArguments* args) {
                                                 args->P_y,
                                                 args->P_z,
                                                 args->N};
-  const ErrorScope errors(false);
+  const ErrorScope errors;
   input.displacement(&publicArgs);
 }
 
@@ -84,7 +84,7 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary) {
 bool reportProgress(void* self, double done) {
   const Input& input = *(const Input*)self;
   if (!input.progress) return true;
-  const ErrorScope errors(false);
+  const ErrorScope errors;
   return input.progress(input.progressPtr, done) != 0;
 }
 
@@ -165,7 +165,23 @@ void Input::checkAttribute(unsigned int attribute) const {
                          std::to_string(widths.size()) + " attributes");
 }
 
+CbvhSurfaceTy::CbvhSurfaceTy(CbvhContext context, RTCGeometry geometry)
+  : context(context),
+    isReference(true),
+    current(new Input(geometry)) {
+  rtcRetainGeometry(geometry);
+}
+
+unsigned int CbvhSurfaceTy::numPrimitives() const {
+  if (isReference) return core::numPrimitives(current->embreeGeometry());
+  const Input* const latest = pending ? pending.get() : current.get();
+  return latest ? latest->numPrimitives : 0;
+}
+
 CbvhSurfaceTy::ChangeScope::ChangeScope(CbvhSurfaceTy& surface) : surface(surface) {
+  if (surface.isReference)
+    throw Failure{CBVH_ERROR_INVALID_OPERATION,
+                  "the surface refers to a geometry: change and commit it with functions of rtcore.h"};
   if (surface.isChanging.exchange(true))
     throw Failure{
         CBVH_ERROR_INVALID_OPERATION,
@@ -323,6 +339,11 @@ struct ScopedFlag {
 } // namespace
 
 void CbvhSurfaceTy::dice(const CbvhDicingArguments& dicing, float* rates) {
+  if (isReference) {
+    const std::vector<float> levels = core::dice(current->embreeGeometry(), cameraOf(dicing));
+    if (rates) std::copy(levels.begin(), levels.end(), rates);
+    return;
+  }
   const ChangeScope change(*this);
   if (!pending || !pending->numIndices)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
@@ -438,14 +459,9 @@ void CbvhSurfaceTy::commitInput() {
   if (failure) throw failure;
 }
 
-void CbvhSurfaceTy::save(const char* path) const { core::saveGeometry(committedInput()->embreeGeometry(), path); }
-
-void CbvhSurfaceTy::load(const char* path) {
-  const core::CompressedFile file(context->embreeDevice(), path);
-  if (file.size() != 1)
-    throwInvalidArgument(std::string(path) + ": has " + std::to_string(file.size()) + " geometries: expected 1");
-  current.reset(new Input((RTCGeometry)file.load(0)));
-  current->numPrimitives = file.geometryInfo(0).numPrimitives;
+void CbvhSurfaceTy::load(const core::CompressedFile& file, size_t index) {
+  current.reset(new Input((RTCGeometry)file.load(index)));
+  current->numPrimitives = file.geometryInfo(index).numPrimitives;
 }
 
 std::shared_ptr<const Input> CbvhSurfaceTy::committedInput() const {
@@ -524,30 +540,7 @@ CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, 
   return onSurface(surface, [&] { surface->commit(progress, userPtr); });
 }
 
-CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path) {
-  return onSurface(surface, [&] {
-    require(path, "path is NULL");
-    surface->save(path);
-  });
-}
-
-CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface) {
-  if (!context || !path || !surface) return rejectArgument("context, path or surface is NULL");
-  return guarded(context, [&] {
-    struct ReleaseGuard {
-      CbvhSurface surface;
-      ~ReleaseGuard() {
-        if (surface) surface->release();
-      }
-    } guard = {new CbvhSurfaceTy(context)};
-    guard.surface->load(path);
-    *surface = std::exchange(guard.surface, nullptr);
-  });
-}
-
-unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) {
-  return surface && surface->latestInput() ? surface->latestInput()->numPrimitives : 0;
-}
+unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) { return surface ? surface->numPrimitives() : 0; }
 
 CbvhError cbvhInterpolateAttribute(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute,
                                    float* P, float* dPdu, float* dPdv) {
@@ -579,11 +572,8 @@ CbvhError cbvhInterpolateAttributeAtPoints(CbvhSurface surface, const CbvhInterp
 int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
                      CbvhTriangle* triangle) {
   bool isFound = false;
-  if (!surface || !triangle) {
-    rejectArgument("surface or triangle is NULL");
-    return 0;
-  }
   onSurface(surface, [&] {
+    require(triangle, "triangle is NULL");
     embree::cbvh::StoredTriangle stored;
     isFound = core::findTriangle(surface->committedInput()->embreeGeometry(), time, primID, u, v, Ng, stored);
     if (isFound) *triangle = toPublic(stored);
@@ -596,7 +586,7 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
     require(function, "function is NULL");
     const std::shared_ptr<const Input> input = surface->committedInput();
     core::forEachPart(input->embreeGeometry(), time, [&](const embree::cbvh::StoredPart& part) {
-      const ErrorScope errors(false);
+      const ErrorScope errors;
       const CbvhPart publicPart = toPublic(part);
       return function(userPtr, &publicPart) != 0;
     });
@@ -608,16 +598,18 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
   return onSurface(surface, [&] {
     if (statistics) core::requireStruct(statistics);
     const std::shared_ptr<const Input> input = surface->committedInput();
+    int value; // memcpy, because a value outside of the enumeration would be undefined behavior
+    std::memcpy(&value, &format, sizeof(value));
     embree::cbvh::ClusterStatistics sums;
     const auto finish = [&] {
       if (statistics) core::writeStruct(statistics, embree::cbvh::statisticsAs<CbvhClusterStatistics>(sums));
     };
     try {
       core::forEachCluster(
-          input->embreeGeometry(), time, embree::cbvh::ClusterFormat(format),
+          input->embreeGeometry(), time, embree::cbvh::ClusterFormat(value),
           [&](const embree::cbvh::StoredCluster& cluster) {
             if (!function) return true;
-            const ErrorScope errors(false);
+            const ErrorScope errors;
             const CbvhPart part = toPublic(*cluster.part);
             const CbvhCluster publicCluster = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
             return function(userPtr, &publicCluster) != 0;

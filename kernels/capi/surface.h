@@ -10,6 +10,7 @@
 #include "context.h"
 
 #include "cbvh/operations/compression.h"
+#include "cbvh/operations/files.h"
 
 #include <atomic>
 #include <memory>
@@ -51,13 +52,19 @@ struct Input {
 struct CbvhSurfaceTy : embree::capi::RefCounted {
   explicit CbvhSurfaceTy(CbvhContext context) : context(context) {}
 
+  /* A surface that refers to a geometry of the application, which it retains. */
+  CbvhSurfaceTy(CbvhContext context, RTCGeometry geometry);
+
+  bool refersToGeometry() const { return isReference; }
+
   /* Set the pending input. Cages are copied; the vertices of grids and meshes must exist until commit() succeeds or
    * other input is set. */
   void set(const CbvhCage& cage);
   void set(const CbvhGrids& grids);
   void set(const CbvhMesh& mesh);
 
-  /* Sets the edge rates of the pending cage for a camera. rates: receives them, one per index; may be NULL. */
+  /* Sets the edge rates of the pending cage, or of the application's geometry, for a camera. rates: receives them, one
+   * per index; may be NULL. */
   void dice(const CbvhDicingArguments& dicing, float* rates);
   void set(const CbvhAccuracy& accuracy);
   void setLossless(bool lossless);
@@ -71,10 +78,9 @@ struct CbvhSurfaceTy : embree::capi::RefCounted {
    * If blocks are stored, but Embree reports an error, makes the input current and then throws.
    * CbvhGroupTy::commit() reports faces and grids that were left out. */
   void commit(CbvhProgressFunction progress, void* userPtr);
-  void save(const char* path) const;
 
-  /* Loads the geometry of a file into a new surface. Throws unless the file contains exactly one geometry. */
-  void load(const char* path);
+  /* Makes a geometry of a file the current input of a new surface. */
+  void load(const embree::core::CompressedFile& file, size_t index);
 
   /* Input of the last commit, or the loaded geometry. Throws if there is neither. The result stays valid even if a
    * callback commits or releases the surface. */
@@ -83,8 +89,9 @@ struct CbvhSurfaceTy : embree::capi::RefCounted {
   /* Input whose attributes are interpolated: during a commit or dicing the pending input, otherwise as
    * committedInput(). */
   std::shared_ptr<const embree::capi::Input> interpolationInput() const;
-  /* The input that was set last, committed or not; NULL if there is none. */
-  const embree::capi::Input* latestInput() const { return pending ? pending.get() : current.get(); }
+
+  /* Primitives of the input that was set last, committed or not; 0 if there is none. */
+  unsigned int numPrimitives() const;
 
   const embree::capi::RefPtr<CbvhContextTy> context;
 
@@ -92,7 +99,7 @@ private:
   typedef std::shared_ptr<embree::capi::Input> InputPtr;
 
   /* Exists while the surface is changed. The constructor throws if another change is in progress, such as a commit
-   * whose callback changes the surface. */
+   * whose callback changes the surface, and if the surface refers to a geometry. */
   class ChangeScope {
   public:
     explicit ChangeScope(CbvhSurfaceTy& surface);
@@ -112,6 +119,7 @@ private:
   /* Replaces the pending input, unless the device reported an error, which it throws. */
   void setPending(InputPtr input);
 
+  bool isReference = false;               // the application owns and commits the current input's geometry
   InputPtr current, pending;              // input of the last commit or load(), and of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(); // of the next commit
   bool isLossless = false;                // the same

@@ -8,10 +8,6 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/geometry_commit.cpp
   cbvh/api/interpolation_checks.cpp
   cbvh/api/rtcore_compression.cpp
-  cbvh/api/rtcore_compressed_triangles.cpp
-  cbvh/api/rtcore_compressed_clusters.cpp
-  cbvh/api/rtcore_dicing.cpp
-  cbvh/api/rtcore_compressed_files.cpp
   cbvh/operations/compression.cpp
   cbvh/operations/device.cpp
   cbvh/operations/device_string.cpp

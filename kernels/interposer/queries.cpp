@@ -8,7 +8,7 @@
 
 #include "substitute_data.h"
 
-#include <cbvh/embree.h>
+#include <cbvh/cbvh.h>
 
 namespace interposer {
 
@@ -46,61 +46,62 @@ RTCFilterFunctionN filterOfArguments(const SubstituteData& data) {
 
 /* --- filters -------------------------------------------------------------------------------- */
 
-/* Context of a query with filters. cbvh/embree.h calls filter() below for each hit. filter() casts the address of
- * query.context to a FilteredContext, so `query` must be the first member. */
-struct FilteredContext {
-  CbvhFilterContext query;
-  RTCRayQueryContext* context; // the application's, which can be longer than this type
+/* Arguments of a callback, and the filters that Embree would call for its hits. */
+struct FilteredCall {
   const SubstituteData* data;
+  RTCRayQueryContext* context;
   RTCFilterFunctionN geometryFilter, argumentsFilter;
 };
 
 /* Calls the application's filters as Embree does: the geometry's, then the arguments'. */
-void filter(const RTCFilterFunctionNArguments* args) {
-  const FilteredContext& filtered = *(const FilteredContext*)args->context;
-  RTCFilterFunctionNArguments changed = *args;
-  changed.geometryUserPtr = filtered.data->userData;
-  changed.context = filtered.context;
-  if (filtered.geometryFilter) filtered.geometryFilter(&changed);
-  if (*changed.valid && filtered.argumentsFilter) filtered.argumentsFilter(&changed);
+void filter(void* userPtr, int* valid, void* ray, void* hit) {
+  const FilteredCall& call = *(const FilteredCall*)userPtr;
+  const RTCFilterFunctionNArguments args = {valid, call.data->userData, call.context, (RTCRayN*)ray, (RTCHitN*)hit, 1};
+  if (call.geometryFilter) call.geometryFilter(&args);
+  if (*valid && call.argumentsFilter) call.argumentsFilter(&args);
 }
 
-/* Traces the group of a substitute. function: cbvhInternalIntersect or cbvhInternalOccluded. */
-template<typename Function, typename Arguments>
-void trace(const Function& function, const Arguments* args, const SubstituteData& data,
-           RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter) {
+/* Traces the group of a substitute. trace: cbvhIntersectGeometry or cbvhOccludedGeometry. */
+template<typename Trace, typename Arguments>
+void traceGroup(const Trace& trace, const Arguments* args, void* rays, const SubstituteData& data,
+                RTCFilterFunctionN geometryFilter, RTCFilterFunctionN argumentsFilter) {
   if (!data.group) return;
-  Arguments changed = *args;
-  changed.geometryUserPtr = data.group;
-  if (!geometryFilter && !argumentsFilter) {
-    function(&changed, 0);
-    return;
-  }
-  FilteredContext filtered = {{*args->context, filter}, args->context, &data, geometryFilter, argumentsFilter};
-  changed.context = &filtered.query.context;
-  function(&changed, CBVH_GEOMETRY_FLAG_CONTEXT_FILTERS);
+  FilteredCall call = {&data, args->context, geometryFilter, argumentsFilter};
+  CbvhGeometryQuery query = CbvhGeometryQuery();
+  query.group = data.group;
+  query.valid = args->valid;
+  query.rays = rays;
+  query.N = args->N;
+  query.geomID = args->geomID;
+  query.numLevels = RTC_MAX_INSTANCE_LEVEL_COUNT;
+  query.instIDs = args->context->instID;
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  query.instPrimIDs = args->context->instPrimID;
+#endif
+  query.filter = geometryFilter || argumentsFilter ? filter : nullptr;
+  query.filterUserPtr = &call;
+  trace(&query);
 }
 
 /* --- callbacks -------------------------------------------------------------------------------- */
 
 void computeBounds(const RTCBoundsFunctionArguments* args) {
-  RTCBoundsFunctionArguments changed = *args;
-  changed.geometryUserPtr = ((const SubstituteData*)args->geometryUserPtr)->group;
-  if (changed.geometryUserPtr) {
-    cbvhInternalBounds(&changed);
-    return;
-  }
-  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty bounds
+  RTCBounds& bounds = *args->bounds_o;
+  bounds = {1, 1, 1, 0, -1, -1, -1, 0}; // empty
+  const CbvhGroup group = ((const SubstituteData*)args->geometryUserPtr)->group;
+  if (group) cbvhGetGroupBounds(group, &bounds.lower_x, &bounds.upper_x);
 }
 
 void intersect(const RTCIntersectFunctionNArguments* args) {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  trace(cbvhInternalIntersect, args, data, data.intersectFilter, filterOfArguments<RTCIntersectArguments>(data));
+  traceGroup(cbvhIntersectGeometry, args, args->rayhit, data, data.intersectFilter,
+             filterOfArguments<RTCIntersectArguments>(data));
 }
 
 void occluded(const RTCOccludedFunctionNArguments* args) {
   const SubstituteData& data = *(const SubstituteData*)args->geometryUserPtr;
-  trace(cbvhInternalOccluded, args, data, data.occludedFilter, filterOfArguments<RTCOccludedArguments>(data));
+  traceGroup(cbvhOccludedGeometry, args, args->ray, data, data.occludedFilter,
+             filterOfArguments<RTCOccludedArguments>(data));
 }
 
 /* Replace the application's functions for user geometry in a query's arguments, and call them except for
@@ -183,13 +184,3 @@ RTC_API void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* arg
 PACKET_QUERIES(4)
 PACKET_QUERIES(8)
 PACKET_QUERIES(16)
-
-/* Called by cbvh/embree.h. Defined here because this library does not link Embree. */
-RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
-                                                  const RTCFilterFunctionNArguments* filterArgs) {
-  REAL(rtcInvokeIntersectFilterFromGeometry)(args, filterArgs);
-}
-RTC_API void rtcInvokeOccludedFilterFromGeometry(const RTCOccludedFunctionNArguments* args,
-                                                 const RTCFilterFunctionNArguments* filterArgs) {
-  REAL(rtcInvokeOccludedFilterFromGeometry)(args, filterArgs);
-}

@@ -3,8 +3,8 @@
 
 /* Sizes of the radix sort of rays, shared by shaders/ray_order.comp and host/ray_order.cpp. */
 
-#ifndef CBVH_RAY_ORDER_H
-#define CBVH_RAY_ORDER_H
+#ifndef CBVH_VULKAN_RAY_ORDER_H
+#define CBVH_VULKAN_RAY_ORDER_H
 
 #include "../cbvh/base/codec_names.h"
 

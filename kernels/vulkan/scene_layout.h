@@ -4,8 +4,8 @@
 /* Layout of a scene in device memory, shared by C++ and GLSL: host/scene.cpp writes it, shaders read it. SceneData
  * refers to everything else. Compressed blocks are the same bytes as on the CPU. */
 
-#ifndef CBVH_SCENE_LAYOUT_H
-#define CBVH_SCENE_LAYOUT_H
+#ifndef CBVH_VULKAN_SCENE_LAYOUT_H
+#define CBVH_VULKAN_SCENE_LAYOUT_H
 
 #include "../cbvh/base/reference.h"
 

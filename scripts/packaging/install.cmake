@@ -34,8 +34,7 @@ install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" DESTINATION "${CMAK
 
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(Python3_Interpreter_FOUND)
-  set(headers rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h
-    rtcore_compressed_files.h)
+  set(headers rtcore_compression.h rtcore_surface.h)
   list(TRANSFORM headers PREPEND "${CMAKE_SOURCE_DIR}/include/embree3/")
   if(TARGET embree_vulkan)
     list(APPEND headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")

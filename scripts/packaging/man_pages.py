@@ -30,7 +30,7 @@ FUNCTION = re.compile(
     r"\((?P<arguments>[^)]*)\)"
 )
 TYPE = re.compile(
-    r"(?P<comment>^/\*(?:(?!\*/).)*\*/\n)?(?P<text>^(?:struct|enum) (?:CBVH_ALIGNED )?(?P<name>\w+)\n\{.*?^\};"
+    r"(?P<comment>^/\*(?:(?!\*/).)*\*/\n)?(?P<text>^(?:struct|enum) (?:CBVH_ALIGNED )?(?P<name>\w+)\s*\{.*?^\};"
     r"|^typedef [^;{]*?\(\*\s*(?P<callback>\w+)\)\([^;]*\);)",
     re.S | re.M,
 )

@@ -10,7 +10,7 @@ from . import records
 
 KINDS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
-PAPER_SCENES = ("trex", "cube", "frog", "scythe", "knee")
+MAIN_SCENE = "trex"  # of the paper
 RAY_SETS = ("coherent", "incoherent")
 SAME = ["scene", "level", "representation"]
 WEIGHT = ["run_settings_repeat", "view_count", "run_settings_true_surface_hits", "run_date"]
@@ -63,10 +63,10 @@ class Data:
         self.full = self.views("full")
         self.found = {tuple(row[key] for key in [*SAME, "view"]): row for _, row in self.views().iterrows()}
 
-    def views(self, view=None, scene=None, job=None):
-        """A row for each scene, level, representation and view; optionally only those of a view, a scene or a job."""
+    def views(self, view=None, scene=None):
+        """A row for each scene, level, representation and view; optionally only those of a view or a scene."""
         frame = self.every_view[self.every_view.result.isin(self.of_isa.result)]
-        for column, value in (("view", view), ("scene", scene), ("job", job)):
+        for column, value in (("view", view), ("scene", scene)):
             frame = frame if value is None else frame[frame[column] == value]
         frame = frame.sort_values(WEIGHT, kind="stable").drop_duplicates([*SAME, "view"], keep="last")
         return in_order(frame, *SAME, "view")
@@ -78,34 +78,14 @@ class Data:
     def scenes(self):
         """Returns the scenes, the main one first: trex, or else the largest."""
         sizes = self.here.groupby("scene").quads.max().to_dict()
-        return sorted(sizes, key=lambda scene: (scene != PAPER_SCENES[0], -sizes[scene], scene))
-
-    def main_scene(self):
-        return next(iter(self.scenes()), PAPER_SCENES[0])
-
-    def paper_scene(self):
-        """The scene of the paper's figures 11, 12, 16 and 17, measured or not: trex, or else the user's main cage."""
-        return self.main_scene() if self.is_own() else PAPER_SCENES[0]
-
-    def missing_paper_scenes(self):
-        """Returns the paper's scenes that no job measured on a processor; none for a user's cages."""
-        return [] if self.is_own() else [scene for scene in PAPER_SCENES if scene not in set(self.here.scene)]
+        return sorted(sizes, key=lambda scene: (scene != MAIN_SCENE, -sizes[scene], scene))
 
     def levels(self, scene):
         return sorted(set(self.here[self.here.scene == scene].level))
 
-    def finest(self, scene):
-        """Returns the finest level up to 6, or else the finest."""
-        levels = self.levels(scene)
-        return max([level for level in levels if level <= 6] or levels)
-
     def is_own(self):
         """True if all records are of the user's own cages."""
         return len(self.here) > 0 and not self.here.run_command.str.contains("--scene ", regex=False).any()
-
-    def picture_level(self):
-        """The level of the paper's pictures, or the finest level below it that was measured for a user's cage."""
-        return self.finest(self.main_scene()) if self.is_own() else 6
 
     def skipped(self, *origins):
         """Lines that list what was skipped."""

@@ -6,8 +6,6 @@
 import math
 from dataclasses import dataclass
 
-from .data import in_order
-
 EXACT = 1e-3  # pixels: smaller errors are rounding
 
 
@@ -46,16 +44,6 @@ def mib(count):
     return f"{digits(count / 2**20)} MiB"
 
 
-def value_range(values, form):
-    """The range of the known values; a dash if there are none."""
-    found = sorted(value for value in values if is_known(value))
-    return " to ".join(dict.fromkeys(form(value) for value in found[:1] + found[-1:])) or "-"
-
-
-class Title(str):
-    """A heading inside a section."""
-
-
 @dataclass
 class Table:
     """A table of text. words: number of columns of words, from the left."""
@@ -68,16 +56,8 @@ class Table:
     def markdown(self):
         lines = [f"| {' | '.join(cells)} |" for cells in [self.heads, *self.rows]]
         rule = "|".join(":--" if i < self.words else "--:" for i in range(len(self.heads)))
-        return "\n".join([lines[0], f"|{rule}|", *lines[1:]]) + "\n"
-
-
-@dataclass
-class Fold:
-    """Parts of a section that the page shows on demand. in_markdown: True if the Markdown tables contain them."""
-
-    title: str
-    parts: list
-    in_markdown: bool = False
+        title = f"### {self.title}\n\n" if self.title else ""
+        return title + "\n".join([lines[0], f"|{rule}|", *lines[1:]]) + "\n"
 
 
 def cells_of(row, columns):
@@ -90,13 +70,3 @@ def cells_of(row, columns):
 def table(frame, columns, words=1, title=""):
     """A Table with a row for each row of the frame. columns: see cells_of."""
     return Table([head for head, *_ in columns], [cells_of(row, columns) for _, row in frame.iterrows()], words, title)
-
-
-def pivoted(frame, across, columns, name, title):
-    """A Table with a row for each representation. The columns are repeated for each value of a column and named
-    name(value)."""
-    values, none = sorted(set(frame[across])), ["-"] * len(columns)
-    cells = {(row.representation, row[across]): cells_of(row, columns) for _, row in frame.iterrows()}
-    labels = in_order(frame, "representation").representation.drop_duplicates()
-    rows = [[label, *(cell for value in values for cell in cells.get((label, value), none))] for label in labels]
-    return Table(["", *(name(value) + head for value in values for head, *_ in columns)], rows, 1, title)

@@ -17,16 +17,14 @@ OUTPUTS = re.compile(r" --(json|pictures|maps) ('[^']*'|\S+)")
 CHECKS = {"shadows": "shadow", "crossings": "crossing", "hit_agreement": "agreement"}  # lists of a result
 ERRORS = """median_pixels p99_pixels max_pixels rmse_pixels bias_pixels inlier_rmse_pixels rmse_along_ray_pixels
     normal_median_degrees flipped_normals uv_median_quads rays beyond_5_pixels false_hits misses""".split()
-KINDS_OF_ERRORS = """errors errors_away_from_silhouettes errors_to_reference_level errors_to_true_surface bounced
-    """.split()
+KINDS_OF_ERRORS = "errors errors_to_reference_level errors_to_true_surface bounced".split()
 COLUMNS = """what origin job scene level representation kind isa device quads result speeds view_count folder command
     skipped frame_level view picture error_map ray_set query mode threads seconds build_seconds mrays_per_second_median
     mrays_per_second_min mrays_per_second_max relative_to_grid_median relative_to_grid_spread memory_live_bytes
     memory_compression_leaf_bytes memory_compression_node_bytes memory_compression_header_bytes
     memory_compression_fallback_quads memory_compression_quads on_device_device_bytes on_device_imported_bytes
-    leaks_rays sheets_rays bins_of_4_bits_hits bins_of_4_bits_quantiles_pixels run_command run_cpu run_date run_end
-    run_commit run_hardware_threads run_settings_repeat run_settings_true_surface_hits
-    run_settings_reference_level""".split()
+    leaks_rays sheets_rays run_command run_cpu run_date run_end run_commit run_hardware_threads run_settings_repeat
+    run_settings_true_surface_hits run_settings_reference_level""".split()
 COLUMNS += [f"{kind}_{key}" for kind in KINDS_OF_ERRORS for key in ERRORS]  # columns exist even if no record has them
 
 

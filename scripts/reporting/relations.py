@@ -6,6 +6,7 @@ leaves for all faces, is cLEAF-only here."""
 
 from collections import namedtuple
 
+from .data import MAIN_SCENE
 from .formats import Table, mib
 
 LEAF, VOXEL2, VOXEL3, VOXEL4 = "cLEAF-only^2", "cVOXEL^2", "cVOXEL^3", "cVOXEL^4"
@@ -15,7 +16,7 @@ VALUES = {  # compared value: column, format
     "p99": ("errors_p99_pixels", "{:.3f} against {:.3f} pixels"),
 }  # fmt: skip
 # holds: None if it was not measured; reason: why it does not hold, or "" if the reason is unknown
-Relation = namedtuple("Relation", "claim paper ours holds command reason", defaults=("not measured", None, "", ""))
+Relation = namedtuple("Relation", "claim paper ours holds reason", defaults=("not measured", None, ""))
 
 
 def part_of_grid(data, scene, label, paper, level=6):
@@ -26,7 +27,7 @@ def part_of_grid(data, scene, label, paper, level=6):
         return none
     value, step = 100 * ours.mib / grid.mib, 0.5 if isinstance(paper, int) else 0.05
     text = f"{value:.1f}% ({mib(ours.memory_live_bytes)} of {mib(grid.memory_live_bytes)})"
-    return none._replace(ours=text, holds=value <= paper + step, command=ours.command)
+    return none._replace(ours=text, holds=value <= paper + step)
 
 
 def is_smaller(data, scene, view, first, second, what, paper, reason=lambda a, b: ""):
@@ -38,7 +39,7 @@ def is_smaller(data, scene, view, first, second, what, paper, reason=lambda a, b
     if a is None or b is None:
         return none
     text = form.format(a[column], b[column])
-    return none._replace(ours=text, holds=a[column] < b[column], command=a.command, reason=reason(a, b))
+    return none._replace(ours=text, holds=a[column] < b[column], reason=reason(a, b))
 
 
 def ratios(data, kind, scene, levels=(4, 5, 6), frame_levels=(2, 3)):
@@ -91,7 +92,7 @@ def relations(data):
     """Returns what the paper states about its scenes, measured or not; nothing for a user's cages."""
     if data.is_own():
         return []
-    main = data.paper_scene()
+    main = MAIN_SCENE
     return [
         part_of_grid(data, main, LEAF, 20),
         part_of_grid(data, main, VOXEL2, 10),
@@ -117,7 +118,5 @@ def verdict(relation):
 
 
 def section(data):
-    found = relations(data)
-    rows = [[relation.claim, relation.paper, relation.ours, verdict(relation)] for relation in found]
-    table = Table(["relation", "paper", "ours", "verdict"], rows, 4)
-    return [table] if found else [], [relation.command for relation in found if relation.command]
+    rows = [[relation.claim, relation.paper, relation.ours, verdict(relation)] for relation in relations(data)]
+    return [Table(["relation", "paper", "ours", "verdict"], rows, 4)] if rows else []

@@ -4,22 +4,14 @@
 """Scale: the herd of ten billion quads, and levels by the view, as scripts/measure_scale.py measured them."""
 
 import json
-import re
 from pathlib import Path
 
 import pandas
 
-from bench_records import renamed
-
 from .data import RAY_SETS
-from .figures import Picture
 from .formats import Table, table
 
 RECORD = "scale.json"
-# Former names of members, except for names in camelCase.
-NEW_NAMES = {"beside": "in_memory", "some": "from_file", "found": "resumed_geometries", "peak": "peak_bytes"}
-NEW_NAMES |= {"ownBytes": "anonymous_bytes", "renderOwnBytes": "render_anonymous_bytes"}
-NEW_NAMES |= {"coldMapped": "cold_mapped_bytes"}
 GIB = 2**30
 SPEEDS = [(f"million {rays} rays per second", f"speed_{rays}_closest_mrays_per_second", "{:.2f}") for rays in RAY_SETS]
 LEVELS = [
@@ -31,14 +23,10 @@ LEVELS = [
 ]  # fmt: skip
 
 
-def new_name(name):
-    return NEW_NAMES.get(name) or re.sub("[A-Z]", lambda letter: "_" + letter[0].lower(), name)
-
-
 def read(folder):
     """Returns the record, or None."""
     path = Path(folder) / RECORD
-    return renamed(json.loads(path.read_text(encoding="utf-8")), new_name) if path.exists() else None
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
 def gib(count):
@@ -90,18 +78,3 @@ def tables(record):
         title = "Levels by the view: level auto gives each edge about one quad per pixel"
         parts.append(table(pandas.json_normalize(record["levels"], sep="_"), LEVELS, 2, title))
     return parts
-
-
-def section(folder):
-    record, commands, photos = read(folder), [], []
-    if not record:
-        return [], []
-    if "herd" in record:
-        herd = record["herd"]
-        commands += [*herd["commands"], herd["from_file"]["command"]]
-        commands += [other["command"] for other in herd["in_memory"]]
-        path = Path(folder) / "picture" / herd["picture"]
-        text = f"{herd['quads'] / 1e9:.1f} billion quads, from a file"
-        photos = [[Picture("T-rexes", "png", path.read_bytes(), text)]] if path.exists() else []
-    commands += [row["command"] for row in record.get("levels", ())]
-    return [f"Measured on {record['date']}.", *tables(record), *photos], commands

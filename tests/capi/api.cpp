@@ -9,11 +9,10 @@
 #include "support/message_parts.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
+#include "support/surface_access.h"
 #include "small_cube.h"
 
 #include <cbvh/cbvh.h>
-#include <embree3/rtcore_compressed_clusters.h>
-#include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -208,7 +207,7 @@ TEST(Beside, ClustersMatchOurEmbree) {
     for (float time : {0.0f, 0.25f, 1.0f}) {
       Clusters ours, theirs;
       CbvhClusterStatistics report;
-      RTCCompressedClusterStatistics expected;
+      CbvhClusterStatistics expected;
       ASSERT_EQ(cbvhForEachCluster(
                     surface, time, CbvhClusterFormat(format),
                     [](void* self, const CbvhCluster* cluster) {
@@ -217,9 +216,9 @@ TEST(Beside, ClustersMatchOurEmbree) {
                     },
                     &ours, &report),
                 CBVH_OK);
-      rtcForEachCompressedCluster(
-          geometry, time, RTCCompressedClusterFormat(format),
-          [](void* self, const RTCCompressedCluster* cluster) {
+      forEachStoredCluster(
+          geometry, time, CbvhClusterFormat(format),
+          [](void* self, const CbvhCluster* cluster) {
             Clusters::add(self, cluster);
             return true;
           },
@@ -370,7 +369,7 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
     SCOPED_TRACE(saveable.name);
     Device device;
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "ours").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "ours").c_str())) << device.message;
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);
@@ -396,7 +395,7 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
                  {folder / "ours", " 5000 ", std::to_string(whole.size())});
   context.expect(cbvhLoadSurface(context, (folder / "none").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT,
                  {folder / "none", std::strerror(ENOENT)});
-  EXPECT_EQ(cbvhLoadSurface(context, nullptr, &none), CBVH_ERROR_INVALID_ARGUMENT);
+  context.expect(cbvhLoadSurface(context, nullptr, &none), CBVH_ERROR_INVALID_ARGUMENT, {"path", "NULL"});
   EXPECT_EQ(none, nullptr);
   const Surface empty(context);
   context.expect(cbvhSaveSurface(empty, (folder / "empty").c_str()), CBVH_ERROR_INVALID_OPERATION,
@@ -404,7 +403,18 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
   context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, {"path ", "NULL"});
 }
 
-// The same as rtcDiceGeometry, whose tests check the rates.
+// This program contains both libraries, which have functions with the same names.
+TEST(Beside, SurfacesOfOneLibraryAreRejectedByTheOther) {
+  Context context;
+  Device device;
+  const Surface surface(context);
+  EXPECT_EQ(rtcNewGeometryFromSurface(device, surface), nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_TRUE(containsInOrder(device.message, {"libembree_cbvh", "libembree3"}));
+  EXPECT_NE(reinterpret_cast<void*>(&cbvhNewSurface), functionOfLibembree3("cbvhNewSurface"));
+}
+
+// The same as diceGeometry, whose tests check the rates.
 TEST(Beside, CagesAreDicedByTheView) {
   Random random(94);
   Context context;
@@ -414,22 +424,17 @@ TEST(Beside, CagesAreDicedByTheView) {
       SCOPED_TRACE(c.name);
       Displacement displacement;
       CageInput input(c.cage, settingsOf(displacement, steps, 4));
-      RTCDicingArguments args;
-      rtcInitDicingArguments(&args);
-      CbvhDicingArguments dicing = CbvhDicingArguments();
+      CbvhDicingArguments dicing;
       const float position[3] = {0.3f, 0.2f, 2}, ahead[3] = {0, 0, -1}, up[3] = {0, 1, 0};
-      std::copy_n(position, 3, args.position);
       std::copy_n(position, 3, dicing.position);
-      std::copy_n(ahead, 3, args.direction);
       std::copy_n(ahead, 3, dicing.direction);
-      std::copy_n(up, 3, args.up);
       std::copy_n(up, 3, dicing.up);
-      args.pixelSize = dicing.pixelSize = 0.03f;
-      args.width = dicing.width = args.height = dicing.height = 40;
+      dicing.pixelSize = 0.03f;
+      dicing.width = dicing.height = 40;
 
       RTCGeometry geometry = newSurface(device, c.cage, settingsOf(displacement, steps, 4));
       rtcCommitGeometry(geometry);
-      rtcDiceGeometry(geometry, &args);
+      diceGeometry(geometry, &dicing);
       const float* const levels = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
       const std::vector<float> expected(levels, levels + input.cage.numIndices);
       rtcReleaseGeometry(geometry);

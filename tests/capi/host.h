@@ -135,18 +135,21 @@ template<> struct Packet<16> {
   typedef RTCRay16 Rays;
 };
 
+// RTCRayN and RTCHitN are arrays of words. The members of an RTCHit before instID are 7 words.
+using Word = unsigned int __attribute__((may_alias));
+constexpr unsigned rayWords = 12;
 #if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
-constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + 2 * RTC_MAX_INSTANCE_LEVEL_COUNT;
+constexpr unsigned hitWords = 7 + 2 * RTC_MAX_INSTANCE_LEVEL_COUNT;
 #else
-constexpr unsigned hitWords = CBVH_INTERNAL_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
+constexpr unsigned hitWords = 7 + RTC_MAX_INSTANCE_LEVEL_COUNT;
 #endif
 // Sets ray i of a packet of N.
 inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray) {
-  for (unsigned word = 0; word < CBVH_INTERNAL_RAY_WORDS; word++)
-    *cbvhInternalWordOf(packet, N, word, i) = *cbvhInternalWordOf((void*)&ray.ray, 1, word, 0);
-  for (unsigned word = 0; word < hitWords; word++)
-    *cbvhInternalWordOf(packet, N, CBVH_INTERNAL_RAY_WORDS + word, i) =
-        *cbvhInternalWordOf((void*)&ray.hit, 1, word, 0);
+  const auto copy = [&](unsigned first, const void* from, unsigned count) {
+    for (unsigned word = 0; word < count; word++) ((Word*)packet)[(first + word) * N + i] = ((const Word*)from)[word];
+  };
+  copy(0, &ray.ray, rayWords);
+  copy(rayWords, &ray.hit, hitWords);
 }
 
 // --- rays ----------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@
 
 #include "small_cube.h"
 #include "support/message_parts.h"
+#include "support/saved.h"
 
 #include <cbvh/cbvh.h>
 #include <gtest/gtest.h>
@@ -68,6 +69,14 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
   unsigned primID = 0;
   float P[3], lower[3], upper[3];
   const auto part = [](void*, const CbvhPart*) { return 1; };
+  const Folder folder;
+  CbvhFileWriter writer = nullptr, noWriter = nullptr;
+  CbvhFile file = nullptr, noFile = nullptr;
+  CbvhFileSurfaceInfo info;
+  CbvhSurfaceStatistics ofSurface;
+  ASSERT_EQ(cbvhSaveSurface(surface, (folder / "one").c_str()), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhNewFileWriter(context, (folder / "two").c_str(), &writer), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhOpenFile(context, (folder / "one").c_str(), &file), CBVH_OK) << cbvhGetErrorText();
   const std::vector<std::pair<const char*, std::function<CbvhError()>>> refused = {
       {"cbvhNewContext", [&] { return cbvhNewContext(nullptr, nullptr, nullptr, nullptr); }},
       {"cbvhNewSurface", [&] { return cbvhNewSurface(nullptr, &noSurface); }},
@@ -106,6 +115,28 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
       {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
       {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, nullptr, &noSurface); }},
       {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, "none", nullptr); }},
+      {"cbvhNewFileWriter", [&] { return cbvhNewFileWriter(nullptr, "none", &noWriter); }},
+      {"cbvhNewFileWriter", [&] { return cbvhNewFileWriter(context, nullptr, &noWriter); }},
+      {"cbvhNewFileWriter", [&] { return cbvhNewFileWriter(context, "none", nullptr); }},
+      {"cbvhResumeFileWriter", [&] { return cbvhResumeFileWriter(nullptr, "none", 1, &noWriter); }},
+      {"cbvhResumeFileWriter", [&] { return cbvhResumeFileWriter(context, nullptr, 1, &noWriter); }},
+      {"cbvhResumeFileWriter", [&] { return cbvhResumeFileWriter(context, "none", 1, nullptr); }},
+      {"cbvhAppendSurface", [&] { return cbvhAppendSurface(nullptr, surface); }},
+      {"cbvhAppendSurface", [&] { return cbvhAppendSurface(writer, nullptr); }},
+      {"cbvhCommitFileWriter", [&] { return cbvhCommitFileWriter(nullptr); }},
+      {"cbvhOpenFile", [&] { return cbvhOpenFile(nullptr, "none", &noFile); }},
+      {"cbvhOpenFile", [&] { return cbvhOpenFile(context, nullptr, &noFile); }},
+      {"cbvhOpenFile", [&] { return cbvhOpenFile(context, "none", nullptr); }},
+      {"cbvhGetFileSurfaceInfo", [&] { return cbvhGetFileSurfaceInfo(nullptr, 0, &info); }},
+      {"cbvhGetFileSurfaceInfo", [&] { return cbvhGetFileSurfaceInfo(file, 0, nullptr); }},
+      {"cbvhGetFileSurfaceInfo", [&] { return cbvhGetFileSurfaceInfo(file, 1, &info); }},
+      {"cbvhGetFileSurfaceStatistics", [&] { return cbvhGetFileSurfaceStatistics(nullptr, 0, &ofSurface); }},
+      {"cbvhGetFileSurfaceStatistics", [&] { return cbvhGetFileSurfaceStatistics(file, 0, nullptr); }},
+      {"cbvhGetFileSurfaceStatistics", [&] { return cbvhGetFileSurfaceStatistics(file, ~size_t(0), &ofSurface); }},
+      {"cbvhLoadFileSurface", [&] { return cbvhLoadFileSurface(nullptr, 0, &noSurface); }},
+      {"cbvhLoadFileSurface", [&] { return cbvhLoadFileSurface(file, 0, nullptr); }},
+      {"cbvhLoadFileSurface", [&] { return cbvhLoadFileSurface(file, 1, &noSurface); }},
+      {"cbvhVerifyFile", [&] { return cbvhVerifyFile(nullptr); }},
       {"cbvhNewGroup", [&] { return cbvhNewGroup(nullptr, &surface, 1, &noGroup); }},
       {"cbvhNewGroup", [&] { return cbvhNewGroup(context, nullptr, 1, &noGroup); }},
       {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 0, &noGroup); }},
@@ -128,6 +159,8 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
   }
   const std::vector<std::pair<const char*, std::function<size_t()>>> nothing = {
       {"cbvhGetSurfacePrimitiveCount", [&] { return cbvhGetSurfacePrimitiveCount(nullptr); }},
+      {"cbvhGetFileWriterSurfaceCount", [&] { return cbvhGetFileWriterSurfaceCount(nullptr); }},
+      {"cbvhGetFileSurfaceCount", [&] { return cbvhGetFileSurfaceCount(nullptr); }},
       {"cbvhGetGroupSurfaceCount", [&] { return cbvhGetGroupSurfaceCount(nullptr); }},
       {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(nullptr, 0)); }},
       {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, 1)); }},
@@ -179,7 +212,25 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
   cbvhReleaseSurface(nullptr);
   cbvhRetainGroup(nullptr);
   cbvhReleaseGroup(nullptr);
+  cbvhReleaseFileWriter(nullptr);
+  cbvhReleaseFile(nullptr);
+  cbvhReleaseFileWriter(writer);
+  cbvhReleaseFile(file);
   cbvhSetGroupUserPtr(nullptr, nullptr);
+  cbvhIntersectGeometry(nullptr);
+  cbvhOccludedGeometry(nullptr);
+  const int valid = -1;
+  CbvhGeometryQuery query = CbvhGeometryQuery();
+  query.valid = &valid;
+  query.rays = &r;
+  query.N = 1;
+  cbvhIntersectGeometry(&query); // without a group
+  cbvhOccludedGeometry(&query);
+  query.group = group;
+  query.numLevels = 33;
+  cbvhIntersectGeometry(&query);
+  cbvhOccludedGeometry(&query);
+  EXPECT_EQ(r.ray.tfar, rayFromAbove().ray.tfar);
   cbvhGetGroupBounds(group, nullptr, upper);
   cbvhGetGroupBounds(group, lower, nullptr);
   EXPECT_LT(lower[0], upper[0]);

@@ -9,10 +9,9 @@
 #include "small_cube.h"
 #include "support/message_parts.h"
 #include "support/saved.h"
+#include "support/surface_access.h"
 
 #include <cbvh/cbvh.h>
-#include <embree3/rtcore_compressed_clusters.h>
-#include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +65,7 @@ struct StructSizes : ::testing::Test {
   Scene scene{device};
   Folder folder;
   RTCGeometry geometry, cage;
-  RTCCompressedFile file = nullptr;
+  CbvhFile file = nullptr;
   std::vector<Case> cases;
 
   StructSizes() {
@@ -94,15 +93,15 @@ struct StructSizes : ::testing::Test {
     rtcCommitGeometry(cage);
     rtcAttachGeometry(scene, geometry);
     rtcCommitScene(scene);
-    EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "one").c_str())) << device.message;
-    file = rtcOpenCompressedFile(device, (folder / "one").c_str());
+    EXPECT_TRUE(saveGeometryFile(geometry, (folder / "one").c_str())) << device.message;
+    file = openFile(device, (folder / "one").c_str());
     EXPECT_NE(file, nullptr) << device.message;
     addCases();
     addCbvhCases();
   }
 
   ~StructSizes() override {
-    rtcReleaseCompressedFile(file);
+    releaseFile(file);
     rtcReleaseGeometry(cage);
     rtcReleaseGeometry(geometry);
     cbvhReleaseGroup(group);
@@ -134,35 +133,20 @@ struct StructSizes : ::testing::Test {
                                                       rtcCommitGeometry(cage);
                                                       return text;
                                                     }));
-    RTCDicingArguments dicing;
-    rtcInitDicingArguments(&dicing);
-    dicing.pixelSize = 0.1f;
-    cases.push_back(caseOf<RTCDicingArguments>("RTCDicingArguments", false, dicing, [=](RTCDicingArguments* args) {
-      rtcDiceGeometry(cage, args);
-      const std::string text = error();
-      rtcCommitGeometry(cage);
-      return text;
-    }));
     cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
                                                      [=](RTCCompressionStatistics* statistics) {
                                                        rtcGetSceneCompressionStatistics(scene, statistics);
                                                        return error();
                                                      }));
-    cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
-                                                     [=](RTCCompressionStatistics* statistics) {
-                                                       rtcGetCompressedFileGeometryStatistics(file, 0, statistics);
-                                                       return error();
-                                                     }));
-    cases.push_back(caseOf<RTCCompressedFileGeometryInfo>("RTCCompressedFileGeometryInfo", true, {},
-                                                          [=](RTCCompressedFileGeometryInfo* description) {
-                                                            rtcGetCompressedFileGeometryInfo(file, 0, description);
-                                                            return error();
-                                                          }));
-    cases.push_back(caseOf<RTCCompressedClusterStatistics>(
-        "RTCCompressedClusterStatistics", true, {}, [=](RTCCompressedClusterStatistics* report) {
-          rtcForEachCompressedCluster(geometry, 0, RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
+    cases.push_back(
+        caseOf<CbvhSurfaceStatistics>("CbvhSurfaceStatistics", true, {}, [=](CbvhSurfaceStatistics* statistics) {
+          statisticsOf(file, 0, statistics);
           return error();
         }));
+    cases.push_back(caseOf<CbvhFileSurfaceInfo>("CbvhFileSurfaceInfo", true, {}, [=](CbvhFileSurfaceInfo* info) {
+      infoOf(file, 0, info);
+      return error();
+    }));
   }
 
   void addCbvhCases() {
@@ -358,10 +342,6 @@ TEST(DefaultMemberInitializers, SetAllMembers) {
   std::memset((void*)&arguments, 0, sizeof(arguments));
   rtcInitCompressionArguments(&arguments);
   expectDefaults(arguments);
-  RTCDicingArguments dicing;
-  std::memset((void*)&dicing, 0, sizeof(dicing));
-  rtcInitDicingArguments(&dicing);
-  expectDefaults(dicing);
   const auto zeros = [](auto value) {
     std::memset((void*)&value, 0, sizeof(value));
     value.structSize = sizeof(value);
@@ -377,8 +357,8 @@ TEST(DefaultMemberInitializers, SetAllMembers) {
   zeros(CbvhQuery());
   zeros(CbvhClusterStatistics());
   zeros(RTCCompressionStatistics());
-  zeros(RTCCompressedFileGeometryInfo());
-  zeros(RTCCompressedClusterStatistics());
+  zeros(CbvhFileSurfaceInfo());
+  zeros(CbvhSurfaceStatistics());
   CbvhVertices vertices;
   std::memset((void*)&vertices, 0, sizeof(vertices));
   expectDefaults(vertices);

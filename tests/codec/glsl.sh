@@ -36,7 +36,7 @@ for header in $(cd "$kernels" && grep -rlE '^C(VERT|BVH)_BEGIN' cvert cbvh | sor
 #version 460
 #include "$header"
 #include "$header"
-#ifndef CVERT_LANGUAGE_H
+#ifndef CVERT_PORTABLE_LANGUAGE_H
 #error $header has CVERT_BEGIN or CBVH_BEGIN but does not include language.h, neither directly nor indirectly
 #endif
 layout(local_size_x = 1) in;

@@ -540,44 +540,6 @@ TEST(MeshBlock, HalvesOfAQuadStayInOneBlock) {
   EXPECT_GT(divided, 200u);
 }
 
-TEST(MeshStrips, MasksMarkTriangles) {
-  Random random(seed + 5);
-  for (int i = 0; i < 3000; i++) {
-    const uint32_t n = 1 + random.below(maxGroupTriangles);
-    uint32_t restarts = 1, fans = 0;
-    for (uint32_t t = 1; t < n; t++) {
-      if (random.chance(0.2)) restarts |= 1u << t;
-      else if (random.chance(0.5)) fans |= 1u << t;
-    }
-    uint32_t a = 0, b = 0, c = 0, next = 0;
-    bool flipped = false;
-    for (uint32_t t = 0; t < n; t++) {
-      if (restarts >> t & 1) {
-        a = next++;
-        b = next++;
-        c = next++;
-        flipped = false;
-      } else if (fans >> t & 1) {
-        b = c;
-        c = next++;
-      } else {
-        a = b;
-        b = c;
-        c = next++;
-        flipped = !flipped;
-      }
-      const uint32_t corners[3] = {flipped ? b : a, flipped ? a : b, c};
-      for (uint32_t first = 0; first < 3; first++) {
-        const StripTriangle triangle = stripTriangle(restarts, fans, first, t);
-        ASSERT_EQ(triangle.v0, corners[first]) << t;
-        ASSERT_EQ(triangle.v1, corners[(first + 1) % 3]) << t;
-        ASSERT_EQ(triangle.v2, corners[(first + 2) % 3]) << t;
-      }
-    }
-    ASSERT_EQ(next, streamLength(n, countBits(restarts) - 1));
-  }
-}
-
 TEST(MeshStrips, RanksCountFloats) {
   float x = -1.0f;
   for (uint32_t i = 0, first = rankOfFloat(x); i < 1000; i++, x = std::nextafterf(x, 2)) {

@@ -228,17 +228,6 @@ TEST(MeshSource, ExceptionsAreFoundAmongMany) {
   }
 }
 
-TEST(MeshSource, LosslessIsBitExact) {
-  Random random(seed + 2);
-  const Mesh mesh = torus(random, 100, 0.02);
-  const Stored stored(mesh, losslessExponent);
-  ASSERT_EQ(stored.triangles.size(), mesh.triangles.size());
-  for (uint32_t i = 0; i < mesh.triangles.size(); i++)
-    for (int c = 0; c < 3; c++)
-      ASSERT_EQ(std::memcmp(&stored.triangles.at(i)[c], &mesh.points[mesh.triangles[i][c]], sizeof(Point)), 0)
-          << "triangle " << i;
-}
-
 TEST(MeshSource, TrianglesThatCannotBeHitAreSkippedAndCounted) {
   Mesh mesh;
   mesh.points = {{0, 0, 0},        {1, 0, 0},     {0, 1, 0}, {NAN, 0, 0},

@@ -463,21 +463,6 @@ TEST(VertBlock, ReservedBitsAreUnsupported) {
   }
 }
 
-TEST(VertCell, AllVerticesExceptForCornersHaveFields) {
-  std::vector<int> seen(cellFields, 0);
-  for (int j = 0; j < 5; j++)
-    for (int i = 0; i < 5; i++) {
-      const int f = cellField(i, j);
-      if (i % 4 == 0 && j % 4 == 0) EXPECT_EQ(f, -1);
-      else {
-        ASSERT_GE(f, 0);
-        ASSERT_LT(f, cellFields);
-        seen[f]++;
-      }
-    }
-  for (int n : seen) EXPECT_EQ(n, 1);
-}
-
 TEST(VertCell, PredictionsAreBilinearAndInterpolateCorners) {
   Random random(seed + 4);
   for (int n = 0; n < 20000; n++) {
@@ -541,28 +526,6 @@ TEST(VertParameters, StitchedVerticesMatchEmbree) {
         if (rate == quads) { ASSERT_EQ(vertParameter<float>(x, quads, rate), float(x) / float(quads)); }
       }
     }
-}
-
-TEST(VertHeader, FieldsOfPlaceAndEdgesDoNotOverlap) {
-  Random random(seed + 5);
-  for (int n = 0; n < 1000; n++) {
-    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16 * random.below(4096),
-                   y = 16 * random.below(4096), u = random.below(16), v = random.below(16);
-    const uint32_t region = packRegion(w, h, x, y);
-    EXPECT_EQ(vertQuadsX(region), w);
-    EXPECT_EQ(vertQuadsY(region), h);
-    EXPECT_EQ(vertFirstX(region), x);
-    EXPECT_EQ(vertFirstY(region), y);
-    const uint32_t quadsX = 1 + random.below(65536), quadsY = 1 + random.below(65536);
-    EXPECT_EQ(patchQuadsX(packPatchQuads(quadsX, quadsY)), quadsX);
-    EXPECT_EQ(patchQuadsY(packPatchQuads(quadsX, quadsY)), quadsY);
-    uint32_t rate[4];
-    for (uint32_t& r : rate) r = 1 + random.below(maxVertRate);
-    const VertEdges edges = packEdges(rate[0], rate[1], rate[2], rate[3], u, v);
-    for (int s = 0; s < 4; s++) EXPECT_EQ(vertRate(edges, s), rate[s]);
-    EXPECT_EQ(vertCornerU(edges), u);
-    EXPECT_EQ(vertCornerV(edges), v);
-  }
 }
 
 }} // namespace programs::test

@@ -39,7 +39,7 @@ check() {
   done
 }
 
-for header in "$embree"/rtcore_compress*.h "$embree"/rtcore_dicing.h "$embree"/rtcore_vulkan.h; do
+for header in "$embree"/rtcore_compress*.h "$embree"/rtcore_surface.h "$embree"/rtcore_vulkan.h; do
   name=${header##*/}
   case " $* " in *" $name "*) continue ;; esac
   check "embree3/$name"

@@ -10,6 +10,7 @@
 #include "support/memory.h"
 #include "support/message_parts.h"
 #include "support/moving_surface.h"
+#include "support/surface_access.h"
 
 #include <gtest/gtest.h>
 
@@ -17,11 +18,10 @@
 
 namespace programs::test { namespace {
 
-constexpr RTCCompressedClusterFormat FLOAT3 = RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3,
-                                     COMPRESSED1 = RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1,
-                                     DGF1 = RTC_COMPRESSED_CLUSTER_FORMAT_DGF1;
-const RTCCompressedClusterFormat allFormats[] = {FLOAT3, COMPRESSED1, DGF1};
-const char* nameOf(RTCCompressedClusterFormat format) {
+constexpr CbvhClusterFormat FLOAT3 = CBVH_CLUSTER_FORMAT_FLOAT3, COMPRESSED1 = CBVH_CLUSTER_FORMAT_COMPRESSED1,
+                            DGF1 = CBVH_CLUSTER_FORMAT_DGF1;
+const CbvhClusterFormat allFormats[] = {FLOAT3, COMPRESSED1, DGF1};
+const char* nameOf(CbvhClusterFormat format) {
   return format == DGF1 ? "DGF1" : format == COMPRESSED1 ? "COMPRESSED1" : "floats";
 }
 
@@ -52,7 +52,7 @@ private:
 // Checks all formats. allFit: no cluster falls back to floats.
 void expectClusters(RTCGeometry geometry, bool allFit, float time = 0) {
   size_t triangles = 0;
-  for (RTCCompressedClusterFormat format : allFormats) {
+  for (CbvhClusterFormat format : allFormats) {
     SCOPED_TRACE(nameOf(format));
     try {
       const ClusterJudge judge(geometry, time, format);
@@ -60,8 +60,7 @@ void expectClusters(RTCGeometry geometry, bool allFit, float time = 0) {
       if (format == FLOAT3) triangles = judge.statistics.numTriangles;
       EXPECT_EQ(judge.statistics.numTriangles, triangles);
       if (allFit) {
-        EXPECT_EQ(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_NONE],
-                  judge.statistics.numClusters);
+        EXPECT_EQ(judge.statistics.numClustersByReason[CBVH_CLUSTER_REASON_NONE], judge.statistics.numClusters);
       }
     } catch (const std::exception& error) { ADD_FAILURE() << error.what(); }
   }
@@ -152,7 +151,7 @@ TEST(Clusters, ReasonForFloatsIsReported) {
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
-  const auto reasonOf = [&](RTCGeometry geometry, float time, RTCCompressedClusterFormat format) {
+  const auto reasonOf = [&](RTCGeometry geometry, float time, CbvhClusterFormat format) {
     const ClusterJudge judge(geometry, time, format);
     for (int i = 0; i < 4; i++)
       if (judge.statistics.numClustersByReason[i] == judge.statistics.numClusters) return i;
@@ -162,19 +161,18 @@ TEST(Clusters, ReasonForFloatsIsReported) {
   settings.timeSteps = 3;
   settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3 * i) : p; };
   const Stored moving(device, cubeCage(), settings);
-  for (RTCCompressedClusterFormat format : {COMPRESSED1, DGF1}) {
-    EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_COMPRESSED_CLUSTER_REASON_FLOATS));
-    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(RTC_COMPRESSED_CLUSTER_REASON_MOVING));
-    for (float step : {0.0f, 0.5f, 1.0f})
-      EXPECT_EQ(reasonOf(moving, step, format), int(RTC_COMPRESSED_CLUSTER_REASON_NONE));
+  for (CbvhClusterFormat format : {COMPRESSED1, DGF1}) {
+    EXPECT_EQ(reasonOf(raw, 0, format), int(CBVH_CLUSTER_REASON_FLOATS));
+    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(CBVH_CLUSTER_REASON_MOVING));
+    for (float step : {0.0f, 0.5f, 1.0f}) EXPECT_EQ(reasonOf(moving, step, format), int(CBVH_CLUSTER_REASON_NONE));
   }
   Device lossless("cbvh_max_error=0");
   Random random(91);
   const DicedMesh triangles = irregularTriangles(meshOf(dicedSheet(2, 16), QuadOrder::Rows, random), random);
   const Stored mesh(newMesh(lossless, triangles, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
   const ClusterJudge exact(mesh, 0, COMPRESSED1);
-  EXPECT_GT(exact.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_FLOATS], 0u);
-  EXPECT_EQ(exact.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_OUT_OF_RANGE], 0u);
+  EXPECT_GT(exact.statistics.numClustersByReason[CBVH_CLUSTER_REASON_FLOATS], 0u);
+  EXPECT_EQ(exact.statistics.numClustersByReason[CBVH_CLUSTER_REASON_OUT_OF_RANGE], 0u);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
@@ -193,10 +191,10 @@ TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats) {
     return Vec{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
   });
   const Stored grids(newGrids(device, diced, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
-  for (RTCCompressedClusterFormat format : {COMPRESSED1, DGF1}) {
+  for (CbvhClusterFormat format : {COMPRESSED1, DGF1}) {
     const ClusterJudge judge(grids, 0, format);
-    EXPECT_GT(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_FLOATS], 0u);
-    EXPECT_GT(judge.statistics.numClustersByReason[RTC_COMPRESSED_CLUSTER_REASON_NONE], 0u);
+    EXPECT_GT(judge.statistics.numClustersByReason[CBVH_CLUSTER_REASON_FLOATS], 0u);
+    EXPECT_GT(judge.statistics.numClustersByReason[CBVH_CLUSTER_REASON_NONE], 0u);
     EXPECT_EQ(judge.statistics.numTriangles, 2 * diced.quads());
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -206,20 +204,20 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors) {
   Device device;
   SurfaceSettings settings;
   const Stored cube(device, cubeCage(), settings);
-  RTCCompressedClusterStatistics statistics;
-  rtcForEachCompressedCluster(nullptr, 0, DGF1, nullptr, nullptr, &statistics);
+  CbvhClusterStatistics statistics;
+  forEachStoredCluster(nullptr, 0, DGF1, nullptr, nullptr, &statistics);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << "without a geometry the error is the thread's";
-  rtcForEachCompressedCluster(cube, 0, RTCCompressedClusterFormat(3), nullptr, nullptr, &statistics);
+  forEachStoredCluster(cube, 0, CbvhClusterFormat(3), nullptr, nullptr, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_TRUE(containsInOrder(device.message, {"format", " 3", " 2"}));
   const Stored leaves(device, cubeCage(), settings, RTC_COMPRESSION_CLEAF);
-  rtcForEachCompressedCluster(leaves, 0, DGF1, nullptr, nullptr, &statistics);
+  forEachStoredCluster(leaves, 0, DGF1, nullptr, nullptr, &statistics);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-  rtcForEachCompressedCluster(cube, 0, DGF1, nullptr, nullptr, nullptr);
+  forEachStoredCluster(cube, 0, DGF1, nullptr, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   size_t calls = 0;
-  rtcForEachCompressedCluster(
-      cube, 0, DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls, &statistics);
+  forEachStoredCluster(
+      cube, 0, DGF1, [](void* n, const CbvhCluster*) { return ++*(size_t*)n < 3; }, &calls, &statistics);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
   EXPECT_EQ(statistics.numClusters, 3u);
 }
@@ -235,10 +233,10 @@ TEST(Clusters, CallbackMayReleaseTheGeometry) {
   } callback = {nullptr, memory, 0};
   callback.geometry = newGrids(device, dicedSheet(4, 64), RTC_COMPRESSION_CVERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   const ssize_t before = memory.live;
-  RTCCompressedClusterStatistics statistics;
-  rtcForEachCompressedCluster(
+  CbvhClusterStatistics statistics;
+  forEachStoredCluster(
       callback.geometry, 0, COMPRESSED1,
-      [](void* self, const RTCCompressedCluster*) {
+      [](void* self, const CbvhCluster*) {
         Callback& callback = *(Callback*)self;
         if (!callback.geometry) return true;
         const ssize_t before = callback.memory.live;

@@ -14,8 +14,7 @@
 #include "support/message_parts.h"
 #include "support/query_forms.h"
 #include "support/saved.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <array>
 #include <cmath>
@@ -33,9 +32,9 @@ typedef std::array<float, 3> Vertex;
 // Vertices of the parts of a geometry at a time, as Embree's library reports them.
 std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry, float time) {
   std::vector<std::vector<Vertex>> parts;
-  rtcForEachCompressedPart(
+  forEachStoredPart(
       geometry, time,
-      [](void* user, const RTCCompressedPart* part) {
+      [](void* user, const CbvhPart* part) {
         std::vector<Vertex> vertices;
         for (size_t i = 0; i < size_t(part->width) * part->height; i++)
           vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
@@ -59,7 +58,7 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces) {
     SCOPED_TRACE(saveable.name);
     Device device;
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "one").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "one").c_str())) << device.message;
     const cvert::File file(folder / "one");
     ASSERT_EQ(file.size(), 1u);
     EXPECT_NO_THROW(file.verify());
@@ -169,11 +168,11 @@ TEST(CodecLibrary, WritesFilesThatEmbreeTraces) {
       writer.commit();
     }
     Device device;
-    RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+    CbvhFile file = openFile(device, path.c_str());
     ASSERT_TRUE(file) << device.message;
-    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+    EXPECT_TRUE(verifyFile(file)) << device.message;
     Scene scene(device);
-    attach(scene, rtcNewGeometryFromCompressedFile(file, 0));
+    attach(scene, loadFromFile(device, file, 0));
     rtcCommitScene(scene);
     for (unsigned y = 0; y < Sheet::quads; y += 3)
       for (unsigned x = 0; x < Sheet::quads; x += 3)
@@ -187,7 +186,7 @@ TEST(CodecLibrary, WritesFilesThatEmbreeTraces) {
           EXPECT_NEAR(r.hit.u, float(x) / Sheet::quads, 1e-6);
           EXPECT_NEAR(r.hit.v, float(y) / Sheet::quads, 1e-6);
         }
-    rtcReleaseCompressedFile(file);
+    releaseFile(file);
     EXPECT_EQ(device.errors, 0u) << device.message;
   }
 }
@@ -307,13 +306,13 @@ TEST(CodecLibrary, TreeWithoutBlocksIsNoPartOfAScene) {
     writer.add(empty);
     writer.commit();
     Device device;
-    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "two").c_str());
+    CbvhFile file = openFile(device, (folder / "two").c_str());
     EXPECT_TRUE(file) << device.message;
     Scene scene(device);
-    for (unsigned i = 0; i < 2; i++) attach(scene, rtcNewGeometryFromCompressedFile(file, i));
+    for (unsigned i = 0; i < 2; i++) attach(scene, loadFromFile(device, file, i));
     rtcCommitScene(scene);
     EXPECT_TRUE(isHit(intersect(scene, makeRay({5.3f, 20.2f, 10}, {0, 0, -1}))));
-    rtcReleaseCompressedFile(file);
+    releaseFile(file);
     EXPECT_EQ(device.errors, 0u) << device.message;
     return statisticsOf(scene);
   };
@@ -381,7 +380,7 @@ TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit) {
   writeBytes(path, file.bytes);
   Device device;
   Scene scene(device);
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCGeometry geometry = loadGeometryFile(device, path.c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   attach(scene, geometry);
   rtcCommitScene(scene);

@@ -6,8 +6,7 @@
 #include "support/message_parts.h"
 #include "support/query_forms.h"
 #include "support/saved.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <array>
@@ -47,9 +46,9 @@ void expectSameStatistics(const RTCCompressionStatistics& a, const RTCCompressio
 // Vertices of all parts, sorted.
 std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time) {
   std::vector<std::array<float, 3>> all;
-  rtcForEachCompressedPart(
+  forEachStoredPart(
       geometry, time,
-      [](void* self, const RTCCompressedPart* part) {
+      [](void* self, const CbvhPart* part) {
         for (unsigned i = 0; i < part->width * part->height; i++)
           ((std::vector<std::array<float, 3>>*)self)
               ->push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
@@ -83,7 +82,7 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes) {
     std::vector<std::array<float, 3>> vertices;
     {
       OneGeometry scene(device, saveable.make(device));
-      ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder / "surface.cbvh").c_str())) << device.message;
+      ASSERT_TRUE(saveGeometryFile(scene.geometry, (folder / "surface.cbvh").c_str())) << device.message;
       for (QueryForm form : allQueryForms) {
         expected.push_back(closestHits(scene, rays, form));
         occluded.push_back(QueryRun(scene, form, true)(rays));
@@ -93,7 +92,7 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes) {
       if (saveable.hasTriangles) vertices = verticesOf(scene.geometry, 0.5f);
       EXPECT_GT(hitsOf(expected[0]), rays.size() / 8);
     }
-    OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder / "surface.cbvh").c_str()));
+    OneGeometry scene(device, loadGeometryFile(device, (folder / "surface.cbvh").c_str()));
     ASSERT_NE(scene.geometry, nullptr) << device.message;
     for (size_t i = 0; i < expected.size(); i++) {
       SCOPED_TRACE(nameOf(allQueryForms[i]));
@@ -110,16 +109,16 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes) {
       size_t found = 0;
       const auto hits = closestHits(scene, rays, QueryForm::Single);
       for (const RTCRayHit& r : hits) {
-        RTCCompressedTriangle triangle;
+        CbvhTriangle triangle;
         if (isHit(r))
-          found += rtcFindCompressedTriangle(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x,
-                                             &triangle);
+          found +=
+              findStoredTriangle(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
       }
       EXPECT_EQ(found, hitsOf(hits));
     }
-    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "surface.cbvh").c_str());
-    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
-    rtcReleaseCompressedFile(file);
+    CbvhFile file = openFile(device, (folder / "surface.cbvh").c_str());
+    EXPECT_TRUE(verifyFile(file)) << device.message;
+    releaseFile(file);
     EXPECT_EQ(device.errors, 0u) << device.message;
   }
 }
@@ -130,12 +129,12 @@ TEST(CompressedFiles, LoadedSurfaceIsSavedAsTheSameBytes) {
     Folder folder;
     Device device;
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str())) << device.message;
     rtcReleaseGeometry(geometry);
-    geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
+    geometry = loadGeometryFile(device, (folder / "a").c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "b").c_str())) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()))
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "b").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str()))
         << "saving to the file that it was loaded from: " << device.message;
     rtcReleaseGeometry(geometry);
     EXPECT_EQ(bytesOf(folder / "a"), bytesOf(folder / "b"));
@@ -156,38 +155,38 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput) {
     rtcCommitScene(scene);
     expected = closestHits(scene, rays, QueryForm::Single);
   }
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder / "all").c_str());
+  CbvhFileWriter writer = newFileWriter(device, (folder / "all").c_str());
   ASSERT_NE(writer, nullptr) << device.message;
-  EXPECT_FALSE(rtcCommitCompressedFileWriter(writer)) << "a file without geometries";
+  EXPECT_FALSE(commitWriter(writer)) << "a file without geometries";
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   for (const Saveable& saveable : all) {
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << saveable.name << ": " << device.message;
+    ASSERT_TRUE(appendGeometry(writer, geometry)) << saveable.name << ": " << device.message;
     rtcReleaseGeometry(geometry);
   }
   EXPECT_EQ(access((folder / "all").c_str(), F_OK), -1) << "the file exists before it is complete";
-  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-  EXPECT_FALSE(rtcCommitCompressedFileWriter(writer));
+  ASSERT_TRUE(commitWriter(writer)) << device.message;
+  EXPECT_FALSE(commitWriter(writer));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-  rtcReleaseCompressedFileWriter(writer);
+  releaseWriter(writer);
   device.errors = 0;
 
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "all").c_str());
+  CbvhFile file = openFile(device, (folder / "all").c_str());
   ASSERT_NE(file, nullptr) << device.message;
-  ASSERT_EQ(rtcGetCompressedFileGeometryCount(file), all.size());
+  ASSERT_EQ(countOf(file), all.size());
   Scene scene(device);
   size_t quads = 0;
   for (unsigned i = 0; i < all.size(); i++) {
-    RTCCompressedFileGeometryInfo description;
-    ASSERT_TRUE(rtcGetCompressedFileGeometryInfo(file, i, &description));
+    CbvhFileSurfaceInfo description;
+    ASSERT_TRUE(infoOf(file, i, &description));
     EXPECT_EQ(description.numTimeSteps > 1, all[i].moves);
     EXPECT_GT(description.numPrimitives, 0u);
-    RTCCompressionStatistics statistics;
-    ASSERT_TRUE(rtcGetCompressedFileGeometryStatistics(file, i, &statistics));
+    CbvhSurfaceStatistics statistics;
+    ASSERT_TRUE(statisticsOf(file, i, &statistics));
     quads += statistics.numQuads;
-    attach(scene, rtcNewGeometryFromCompressedFile(file, i));
+    attach(scene, loadFromFile(device, file, i));
   }
-  rtcReleaseCompressedFile(file);
+  releaseFile(file);
   rtcCommitScene(scene);
   expectSameToTheBit(expected, closestHits(scene, rays, QueryForm::Single));
   std::set<unsigned> geomIDs;
@@ -195,35 +194,34 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput) {
   EXPECT_GT(geomIDs.size(), 4u);
   EXPECT_EQ(statisticsOf(scene).numQuads, quads);
   EXPECT_EQ(device.errors, 0u) << device.message;
-  EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder / "all").c_str()), nullptr) << "the file has several geometries";
+  EXPECT_EQ(loadGeometryFile(device, (folder / "all").c_str()), nullptr) << "the file has several geometries";
 }
 
 TEST(CompressedFiles, StatisticsRequireAnOpenFileAStructAndAValidIndex) {
   Folder folder;
   Device device;
   RTCGeometry geometry = allSaveable().front().make(device);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) << device.message;
+  ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str())) << device.message;
   rtcReleaseGeometry(geometry);
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "a").c_str());
+  CbvhFile file = openFile(device, (folder / "a").c_str());
   ASSERT_NE(file, nullptr) << device.message;
-  RTCCompressionStatistics statistics = RTCCompressionStatistics();
+  CbvhSurfaceStatistics statistics;
   statistics.numQuads = 12345;
   for (unsigned index : {1u, 7u, ~0u}) {
-    EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(file, index, &statistics)) << index;
+    EXPECT_FALSE(statisticsOf(file, index, &statistics)) << index;
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << index;
     EXPECT_TRUE(containsInOrder(device.message, {"index " + std::to_string(index) + ":", " 1 "}));
   }
-  EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(file, 0, nullptr));
+  EXPECT_FALSE(statisticsOf(file, 0, nullptr));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_TRUE(containsInOrder(device.message, {"statistics", "NULL"}));
-  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
-  EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(nullptr, 0, &statistics));
-  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << "without a file the error is the thread's";
+  EXPECT_FALSE(statisticsOf(CbvhFile(nullptr), 0, &statistics));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "without a file there is no device";
   EXPECT_EQ(statistics.numQuads, 12345u) << "an error must not write";
-  EXPECT_TRUE(rtcGetCompressedFileGeometryStatistics(file, 0, &statistics));
+  EXPECT_TRUE(statisticsOf(file, 0, &statistics));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE);
   EXPECT_NE(statistics.numQuads, 12345u);
-  rtcReleaseCompressedFile(file);
+  releaseFile(file);
 }
 
 TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene) {
@@ -233,12 +231,12 @@ TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene) {
     Device device;
     Random random(8);
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str()));
     const std::string before = bytesOf(folder / "a");
     // the mask of the first excludes half of the rays, the mask of the second the others
     Scene scene(device);
     for (unsigned mask : {1u, 2u, 4u}) {
-      RTCGeometry loaded = mask == 4 ? geometry : rtcLoadCompressedGeometry(device, (folder / "a").c_str());
+      RTCGeometry loaded = mask == 4 ? geometry : loadGeometryFile(device, (folder / "a").c_str());
       ASSERT_NE(loaded, nullptr) << device.message;
       rtcSetGeometryMask(loaded, mask);
       rtcSetGeometryUserData(loaded, (void*)size_t(mask));
@@ -249,7 +247,7 @@ TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene) {
     rtcCommitScene(scene);
     std::vector<RTCRayHit> rays = timedRays(random, 300, saveable.moves), single;
     for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = 1 + i % 2;
-    OneGeometry alone(device, rtcLoadCompressedGeometry(device, (folder / "a").c_str()));
+    OneGeometry alone(device, loadGeometryFile(device, (folder / "a").c_str()));
     single = closestHits(alone, rays, QueryForm::Single);
     size_t hits = 0;
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8}) {
@@ -277,11 +275,11 @@ TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork) {
   {
     Device device;
     RTCGeometry geometry = allSaveable()[0].make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str()));
     rtcReleaseGeometry(geometry);
   }
   Device device("subdiv_accel=cbvh.leaf,cbvh_frame_level=1");
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
+  RTCGeometry geometry = loadGeometryFile(device, (folder / "a").c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   struct Seen {
     size_t calls = 0;
@@ -325,9 +323,9 @@ TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason) {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str()));
     rtcReleaseGeometry(geometry);
-    geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
+    geometry = loadGeometryFile(device, (folder / "a").c_str());
     ASSERT_NE(geometry, nullptr);
     float P[3];
     const std::function<void()> edits[] = {
@@ -374,9 +372,9 @@ TEST(CompressedFiles, TheTimeRangeOfTheMessageIsAccepted) {
   settings.begin = 1e-7f;
   settings.end = 1.0f / 3;
   RTCGeometry geometry = releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_CVERT);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) << device.message;
+  ASSERT_TRUE(saveGeometryFile(geometry, (folder / "a").c_str())) << device.message;
   rtcReleaseGeometry(geometry);
-  geometry = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
+  geometry = loadGeometryFile(device, (folder / "a").c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   rtcSetGeometryTimeRange(geometry, 0, 2);
   rtcCommitGeometry(geometry);
@@ -394,12 +392,12 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved) {
   Folder folder;
   Device device;
   const auto refused = [&](RTCGeometry geometry, const std::string& cause) {
-    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
+    EXPECT_FALSE(saveGeometryFile(geometry, (folder / "a").c_str()));
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
     EXPECT_NE(device.message.find(cause), std::string::npos) << device.message;
     EXPECT_TRUE(folder.names().empty());
   };
-  EXPECT_FALSE(rtcSaveCompressedGeometry(nullptr, (folder / "a").c_str()));
+  EXPECT_FALSE(saveGeometryFile(nullptr, (folder / "a").c_str()));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
@@ -427,7 +425,7 @@ TEST(CompressedFiles, UncompressedGeometryIsNotSaved) {
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   rtcSetGeometryUserData(geometry, &device);
-  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "b").c_str())) << "files do not contain user data";
+  EXPECT_TRUE(saveGeometryFile(geometry, (folder / "b").c_str())) << "files do not contain user data";
   std::remove((folder / "b").c_str());
   settings.compression = RTC_COMPRESSION_CLEAF;
   settings.rate = 300;
@@ -463,28 +461,28 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded) {
         }
         geometries.push_back(releasing(newSurface(device, cage, settings), compression));
       }
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder / "all").c_str());
-  for (RTCGeometry geometry : geometries) ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
-  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
-  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder / "all").c_str());
+  CbvhFileWriter writer = newFileWriter(device, (folder / "all").c_str());
+  for (RTCGeometry geometry : geometries) ASSERT_TRUE(appendGeometry(writer, geometry)) << device.message;
+  ASSERT_TRUE(commitWriter(writer)) << device.message;
+  releaseWriter(writer);
+  CbvhFile file = openFile(device, (folder / "all").c_str());
   ASSERT_NE(file, nullptr) << "one geometry prevents opening the others: " << device.message;
-  EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+  EXPECT_TRUE(verifyFile(file)) << device.message;
   Scene scene(device);
   for (unsigned i = 0; i < geometries.size(); i++) {
     SCOPED_TRACE(i);
-    RTCGeometry loaded = rtcNewGeometryFromCompressedFile(file, i);
+    RTCGeometry loaded = loadFromFile(device, file, i);
     ASSERT_NE(loaded, nullptr) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometries[i], (folder / "one").c_str())) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(loaded, (folder / "again").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometries[i], (folder / "one").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(loaded, (folder / "again").c_str())) << device.message;
     EXPECT_EQ(bytesOf(folder / "one"), bytesOf(folder / "again"));
-    RTCGeometry alone = rtcLoadCompressedGeometry(device, (folder / "one").c_str());
+    RTCGeometry alone = loadGeometryFile(device, (folder / "one").c_str());
     EXPECT_NE(alone, nullptr) << device.message;
     if (alone) rtcReleaseGeometry(alone);
     attach(scene, loaded);
     rtcReleaseGeometry(geometries[i]);
   }
-  rtcReleaseCompressedFile(file);
+  releaseFile(file);
   rtcCommitScene(scene);
   Random random(3);
   EXPECT_GT(hitsOf(closestHits(scene, timedRays(random, 200, true), QueryForm::Single)), 50u);
@@ -513,8 +511,8 @@ TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved) {
           RTCGeometry geometry = newSurface(device, cage, settings);
           refused += device.takeError() != RTC_ERROR_NONE; // an invalid time range
           releasing(geometry, RTC_COMPRESSION_CVERT);
-          if (rtcSaveCompressedGeometry(geometry, (folder / "a").c_str())) {
-            RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder / "a").c_str());
+          if (saveGeometryFile(geometry, (folder / "a").c_str())) {
+            RTCGeometry loaded = loadGeometryFile(device, (folder / "a").c_str());
             EXPECT_NE(loaded, nullptr) << device.message;
             if (loaded) rtcReleaseGeometry(loaded);
           } else {
@@ -541,7 +539,7 @@ TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved) {
   attach(scene, geometry);
   rtcCommitScene(scene);
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder / "a").c_str()));
+  EXPECT_FALSE(saveGeometryFile(geometry, (folder / "a").c_str()));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_NE(device.message.find("compression"), std::string::npos) << device.message;
   EXPECT_TRUE(folder.names().empty());
@@ -556,27 +554,27 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently) {
   const std::vector<RTCRayHit> rays = timedRays(random, 200, true);
   for (size_t i = 0; i < 4; i++) {
     OneGeometry scene(device, all[i].make(device));
-    ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder / std::to_string(i)).c_str()));
+    ASSERT_TRUE(saveGeometryFile(scene.geometry, (folder / std::to_string(i)).c_str()));
     expected.push_back(closestHits(scene, rays, QueryForm::Single));
   }
-  RTCCompressedFile open = rtcOpenCompressedFile(device, (folder / "0").c_str());
+  CbvhFile open = openFile(device, (folder / "0").c_str());
   ASSERT_NE(open, nullptr);
   std::vector<std::thread> threads;
   for (size_t t = 0; t < 4; t++)
     threads.emplace_back([&, t] {
       for (size_t round = 0; round < 12; round++) {
         const size_t i = (t + round) % 4;
-        OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder / std::to_string(i)).c_str()));
+        OneGeometry scene(device, loadGeometryFile(device, (folder / std::to_string(i)).c_str()));
         ASSERT_NE(scene.geometry, nullptr);
         expectSameToTheBit(expected[i], closestHits(scene, rays, QueryForm::Single));
-        ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder / (std::to_string(t) + "-saved")).c_str()));
-        OneGeometry another(device, rtcNewGeometryFromCompressedFile(open, 0));
+        ASSERT_TRUE(saveGeometryFile(scene.geometry, (folder / (std::to_string(t) + "-saved")).c_str()));
+        OneGeometry another(device, loadFromFile(device, open, 0));
         ASSERT_NE(another.geometry, nullptr);
         expectSameToTheBit(expected[0], closestHits(another, rays, QueryForm::Single));
       }
     });
   for (std::thread& thread : threads) thread.join();
-  rtcReleaseCompressedFile(open);
+  releaseFile(open);
   EXPECT_EQ(device.errors, 0u) << device.message;
   for (size_t t = 0; t < 4; t++)
     EXPECT_EQ(bytesOf(folder / (std::to_string(t) + "-saved")), bytesOf(folder / std::to_string((t + 11) % 4)));

@@ -6,6 +6,7 @@
 #include "support/file_mutations.h"
 #include "support/irregular_mesh.h"
 #include "support/scene.h"
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <cmath>
@@ -414,14 +415,14 @@ TEST(CompressionStatistics, CachesPerThreadOfFilesWithoutCounts) {
     Device device;
     const std::string path = folder / "geometry";
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, path.c_str())) << device.message;
     const size_t bytes = bytesIn(device, geometry, true);
     EXPECT_GT(bytes, size_t(1) << 16);
     FileBytes file(bytesOf(path));
     std::memset(file.record(0).counts, 0, sizeof(file.record(0).counts));
     file.fitChecksums();
     writeBytes(path, file.bytes);
-    RTCGeometry loaded = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry loaded = loadGeometryFile(device, path.c_str());
     ASSERT_NE(loaded, nullptr) << device.message;
     EXPECT_EQ(bytesIn(device, loaded, false), bytes);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;

@@ -9,8 +9,7 @@
 #include "support/file_mutations.h"
 #include "support/message_parts.h"
 #include "support/random_rounds.h"
-
-#include <embree3/rtcore_compressed_clusters.h>
+#include "support/surface_access.h"
 
 #include <cerrno>
 #include <csignal>
@@ -63,7 +62,7 @@ class DamagedFiles : public testing::Test {
 protected:
   DamagedFiles() {
     RTCGeometry geometry = allSaveable()[0].make(device);
-    EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    EXPECT_TRUE(saveGeometryFile(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
     sound = bytesOf(path);
   }
@@ -76,12 +75,12 @@ protected:
 
   void expectRefused(const std::string& bytes, const std::vector<std::string>& parts) {
     writeBytes(path, bytes);
-    EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
+    EXPECT_EQ(loadGeometryFile(device, path.c_str()), nullptr);
     expectError(path, parts);
   }
 
   void loadInto(RTCScene scene) {
-    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry geometry = loadGeometryFile(device, path.c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
     attach(scene, geometry);
     rtcCommitScene(scene);
@@ -151,9 +150,9 @@ TEST_F(DamagedFiles, AreRejectedWithTheReason) {
   expectRefused(sound + "x", sizes(sound.size() + 1));
   expectRefused("\r" + sound, {"surfaces"});
   std::remove(path.c_str());
-  EXPECT_EQ(rtcOpenCompressedFile(device, path.c_str()), nullptr);
+  EXPECT_EQ(openFile(device, path.c_str()), nullptr);
   expectError(path, {std::strerror(ENOENT)});
-  EXPECT_EQ(rtcOpenCompressedFile(device, folder.path.c_str()), nullptr);
+  EXPECT_EQ(openFile(device, folder.path.c_str()), nullptr);
   expectError(folder.path, {"folder", "regular"});
 }
 
@@ -192,11 +191,11 @@ TEST_F(DamagedFiles, AnyModifiedByteIsDetected) {
         continue;
       }
       writeBytes(path, bytes);
-      RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
+      CbvhFile opened = openFile(device, path.c_str());
       ASSERT_NE(opened, nullptr) << device.message;
-      EXPECT_FALSE(rtcVerifyCompressedFile(opened));
+      EXPECT_FALSE(verifyFile(opened));
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-      rtcReleaseCompressedFile(opened);
+      releaseFile(opened);
     }
   };
   alter(0, sizeof(cvert::FileHeader), sizeof(cvert::FileHeader), true);
@@ -210,7 +209,7 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError) {
   const std::vector<RTCRayHit> rays = raysAt(random, 400);
   const auto trace = [&] {
     Scene scene(device);
-    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry geometry = loadGeometryFile(device, path.c_str());
     EXPECT_NE(geometry, nullptr) << device.message;
     if (geometry) attach(scene, geometry);
     rtcCommitScene(scene);
@@ -255,7 +254,7 @@ TEST_F(DamagedFiles, PageOfZerosIsReported) {
   for (const Saveable& saveable : allSaveable()) {
     if (saveable.moves) continue; // validated when the file is opened
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    ASSERT_TRUE(saveGeometryFile(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
     FileBytes file(bytesOf(path));
     const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes),
@@ -269,10 +268,10 @@ TEST_F(DamagedFiles, PageOfZerosIsReported) {
       closestHits(scene, rays, form);
       EXPECT_EQ(device.errors, 1u);
       expectError(path, {"geometry 0:", "damaged"});
-      RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
+      CbvhFile opened = openFile(device, path.c_str());
       ASSERT_NE(opened, nullptr) << device.message;
-      EXPECT_FALSE(rtcVerifyCompressedFile(opened));
-      rtcReleaseCompressedFile(opened);
+      EXPECT_FALSE(verifyFile(opened));
+      releaseFile(opened);
     }
   }
 }
@@ -288,7 +287,7 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut) {
       SurfaceSettings settings;
       settings.rate = 16;
       RTCGeometry geometry = releasing(newSurface(device, cubeCage(), settings), compression, 0, 0);
-      ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+      ASSERT_TRUE(saveGeometryFile(geometry, path.c_str()));
       rtcReleaseGeometry(geometry);
       FileBytes file(bytesOf(path));
       const auto& record = file.record(0);
@@ -308,11 +307,11 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut) {
 
 // The owner of a block is found by its address, which must not lead to a geometry without blocks.
 TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother) {
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());
-  for (int i = 0; i < 2; i++) { ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message; }
-  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
+  RTCGeometry geometry = loadGeometryFile(device, path.c_str());
+  CbvhFileWriter writer = newFileWriter(device, path.c_str());
+  for (int i = 0; i < 2; i++) { ASSERT_TRUE(appendGeometry(writer, geometry)) << device.message; }
+  ASSERT_TRUE(commitWriter(writer)) << device.message;
+  releaseWriter(writer);
   rtcReleaseGeometry(geometry);
   FileBytes file(bytesOf(path));
   cvert::FileGeometry& empty = file.record(0);
@@ -324,22 +323,22 @@ TEST_F(DamagedFiles, GeometryWithoutBlocksHidesNoDamageOfAnother) {
   file.fitChecksums();
   writeBytes(path, file.bytes);
   Random random(9);
-  RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
+  CbvhFile opened = openFile(device, path.c_str());
   ASSERT_NE(opened, nullptr) << device.message;
   Scene scene(device);
-  for (unsigned i = 0; i < 2; i++) attach(scene, rtcNewGeometryFromCompressedFile(opened, i));
+  for (unsigned i = 0; i < 2; i++) attach(scene, loadFromFile(device, opened, i));
   rtcCommitScene(scene);
   device.errors = 0;
   for (const RTCRayHit& hit : closestHits(scene, raysAt(random, 400), QueryForm::Single)) ASSERT_FALSE(isHit(hit));
   EXPECT_EQ(device.errors, 1u);
   expectError(path, {"geometry 1:", "damaged"});
-  rtcReleaseCompressedFile(opened);
+  releaseFile(opened);
 }
 
 // A surface number would be written into the inner block, and so into the outer one, which may be in use.
 TEST_F(DamagedFiles, BlocksThatOverlapDoNotChangeEachOther) {
   ASSERT_NO_FATAL_FAILURE(writeBlockInAnotherOne(false));
-  RTCGeometry owner = rtcLoadCompressedGeometry(device, path.c_str()); // has the file's surface number
+  RTCGeometry owner = loadGeometryFile(device, path.c_str()); // has the file's surface number
   ASSERT_NE(owner, nullptr) << device.message;
   const RTCRayHit rays[] = {makeRay({1.7f / 16, 0.2f / 16, 10}, {0, 0, -1}), makeRay({-10.75f, 0.25f, 10}, {0, 0, -1})};
   for (unsigned first : {0u, 1u}) { // the outer block is reached first, or the inner one
@@ -365,9 +364,9 @@ TEST_F(DamagedFiles, BlocksThatOverlapDoNotChangeEachOther) {
 // Moving blocks are checked when they are loaded.
 TEST_F(DamagedFiles, MovingBlocksThatOverlapAreRejected) {
   ASSERT_NO_FATAL_FAILURE(writeBlockInAnotherOne(true));
-  RTCGeometry owner = rtcLoadCompressedGeometry(device, path.c_str()); // has the file's surface number
+  RTCGeometry owner = loadGeometryFile(device, path.c_str()); // has the file's surface number
   ASSERT_NE(owner, nullptr) << device.message;
-  EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
+  EXPECT_EQ(loadGeometryFile(device, path.c_str()), nullptr);
   expectError(path, {"geometry 0:", " " + std::to_string(innerOffset) + ":", "overlap"});
   rtcReleaseGeometry(owner);
 }
@@ -379,7 +378,7 @@ TEST_F(DamagedFiles, CountsThatContradictEachOtherArePrintedWithoutOverflow) {
   file.fitChecksums();
   writeBytes(path, file.bytes);
   Device verbose("verbose=1");
-  RTCGeometry geometry = rtcLoadCompressedGeometry(verbose, path.c_str());
+  RTCGeometry geometry = loadGeometryFile(verbose, path.c_str());
   ASSERT_NE(geometry, nullptr) << verbose.message;
   testing::internal::CaptureStderr();
   {
@@ -397,7 +396,7 @@ TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame) {
   SurfaceSettings settings;
   settings.rate = 16;
   RTCGeometry geometry = releasing(newSurface(device, cubeCage(), settings), RTC_COMPRESSION_CGRID, 0, 0);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+  ASSERT_TRUE(saveGeometryFile(geometry, path.c_str()));
   rtcReleaseGeometry(geometry);
   const std::string bytes = bytesOf(path);
   const auto makeConstant = [](BlockHeader& block) {
@@ -427,7 +426,7 @@ TEST_F(DamagedFiles, MessageNamesTheDefectOfAFrame) {
   }
 }
 
-// The index of rtcFindCompressedTriangle is not larger for larger primitive numbers.
+// The index of findStoredTriangle is not larger for larger primitive numbers.
 TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory) {
   const auto peakKiB = [] {
     struct rusage usage;
@@ -441,7 +440,7 @@ TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory) {
       continue;
     SCOPED_TRACE(saveable.name);
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    ASSERT_TRUE(saveGeometryFile(geometry, path.c_str()));
     FileBytes file(bytesOf(path));
     auto& record = file.record(0);
     const uint32_t numPrimitives = record.numPrimitives;
@@ -461,15 +460,15 @@ TEST_F(DamagedFiles, LargePrimitiveNumbersNeedNoMoreMemory) {
     record.numPrimitives += added;
     file.fitChecksums();
     writeBytes(path, file.bytes);
-    RTCGeometry loaded = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry loaded = loadGeometryFile(device, path.c_str());
     ASSERT_NE(loaded, nullptr) << device.message;
     const long before = peakKiB();
     for (uint32_t primID = 0; primID < numPrimitives; primID += 101) {
-      RTCCompressedTriangle expected, actual;
-      if (!rtcFindCompressedTriangle(geometry, 0, primID, 0.3f, 0.3f, nullptr, &expected)) continue;
-      ASSERT_TRUE(rtcFindCompressedTriangle(loaded, 0, added + primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
+      CbvhTriangle expected, actual;
+      if (!findStoredTriangle(geometry, 0, primID, 0.3f, 0.3f, nullptr, &expected)) continue;
+      ASSERT_TRUE(findStoredTriangle(loaded, 0, added + primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
       ASSERT_EQ(std::memcmp(&actual, &expected, sizeof(actual)), 0) << primID;
-      ASSERT_FALSE(rtcFindCompressedTriangle(loaded, 0, primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
+      ASSERT_FALSE(findStoredTriangle(loaded, 0, primID, 0.3f, 0.3f, nullptr, &actual)) << primID;
       found++;
     }
     EXPECT_LT(peakKiB() - before, 100 * 1024);
@@ -487,7 +486,7 @@ TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely) {
   for (size_t kind = 0; kind < all.size(); kind++) {
     SCOPED_TRACE(all[kind].name);
     RTCGeometry geometry = all[kind].make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    ASSERT_TRUE(saveGeometryFile(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
     const std::string bytes = bytesOf(path);
     Random random(randomSeed(uint32_t(100 + kind)));
@@ -513,14 +512,14 @@ TEST_F(DamagedFiles, FullDiskLeavesTheOldFile) {
   for (size_t limit : {0ul, 100ul, 5000ul, sound.size() / 2, sound.size() - 100}) {
     SCOPED_TRACE(limit);
     writeBytes(path, sound);
-    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry geometry = loadGeometryFile(device, path.c_str());
     ASSERT_NE(geometry, nullptr);
     writeBytes(folder / "other", old);
     const int status = statusOfChild([&] {
       signal(SIGXFSZ, SIG_IGN);
       const rlimit full = {limit, limit};
       setrlimit(RLIMIT_FSIZE, &full);
-      if (rtcSaveCompressedGeometry(geometry, (folder / "other").c_str())) return 1;
+      if (saveGeometryFile(geometry, (folder / "other").c_str())) return 1;
       if (device.takeError() != RTC_ERROR_INVALID_OPERATION) return 2;
       return containsInOrder(device.message, {folder / "other", std::strerror(EFBIG)}) ? 0 : 3;
     });
@@ -532,7 +531,7 @@ TEST_F(DamagedFiles, FullDiskLeavesTheOldFile) {
 }
 
 TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile) {
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCGeometry geometry = loadGeometryFile(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
   const std::string old = "previous contents";
   // killed after each of these numbers of bytes
@@ -541,7 +540,7 @@ TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile) {
     writeBytes(folder / "other", old);
     const int status = statusOfChild([&] {
       bytesUntilKill = long(limit);
-      rtcSaveCompressedGeometry(geometry, (folder / "other").c_str());
+      saveGeometryFile(geometry, (folder / "other").c_str());
       return 1;
     });
     killed += WIFSIGNALED(status) != 0;
@@ -549,24 +548,24 @@ TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile) {
   }
   EXPECT_EQ(killed, 4u);
   // remaining temporary files do not disturb, and are removed
-  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "other").c_str())) << device.message;
+  EXPECT_TRUE(saveGeometryFile(geometry, (folder / "other").c_str())) << device.message;
   EXPECT_EQ(folder.names().size(), 2u);
   EXPECT_EQ(bytesOf(folder / "other"), sound);
   rtcReleaseGeometry(geometry);
 }
 
 TEST_F(DamagedFiles, UnwritableFoldersAreReported) {
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCGeometry geometry = loadGeometryFile(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
   for (const std::string& to : {folder / "none/file", folder / "surface.cbvh/file", std::string("/proc/surface.cbvh"),
                                 std::string("/dev/null"), folder.path, std::string()}) {
-    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, to.c_str()));
+    EXPECT_FALSE(saveGeometryFile(geometry, to.c_str()));
     expectError(to, {});
   }
   EXPECT_EQ(folder.names().size(), 1u);
   if (geteuid() != 0) { // permissions do not apply to root
     chmod(folder.path.c_str(), 0555);
-    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    EXPECT_FALSE(saveGeometryFile(geometry, path.c_str()));
     expectError(path, {std::strerror(EACCES)});
     chmod(folder.path.c_str(), 0755);
   }
@@ -577,12 +576,11 @@ TEST_F(DamagedFiles, UnwritableFoldersAreReported) {
 TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode) {
   chmod(path.c_str(), 0440);
   // a second geometry writes to its own pages
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()),
-              second = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCGeometry geometry = loadGeometryFile(device, path.c_str()), second = loadGeometryFile(device, path.c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   ASSERT_NE(second, nullptr) << device.message;
   ASSERT_EQ(symlink("surface.cbvh", (folder / "link").c_str()), 0);
-  EXPECT_TRUE(rtcSaveCompressedGeometry(second, (folder / "link").c_str())) << device.message;
+  EXPECT_TRUE(saveGeometryFile(second, (folder / "link").c_str())) << device.message;
   struct stat status;
   ASSERT_EQ(lstat((folder / "link").c_str(), &status), 0);
   EXPECT_TRUE(S_ISLNK(status.st_mode)) << "the link was replaced";
@@ -595,8 +593,8 @@ TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode) {
 
 // The first block is in one of the halves: damage of the other one is detected after some clusters.
 TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage) {
-  const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {
-    RTCCompressedClusterStatistics& sums = *(RTCCompressedClusterStatistics*)ptr;
+  const StoredClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {
+    CbvhClusterStatistics& sums = *(CbvhClusterStatistics*)ptr;
     sums.numClusters++;
     sums.numTriangles += cluster->numTriangles;
     sums.bytes += cluster->bytes;
@@ -608,11 +606,11 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage) {
     const uint64_t bytes = file.record(0).blockBytes / 2, begin = file.record(0).blocks + (half ? bytes : 0);
     std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
     writeBytes(path, file.bytes);
-    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry geometry = loadGeometryFile(device, path.c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
-    RTCCompressedClusterStatistics sums = RTCCompressedClusterStatistics(), report = RTCCompressedClusterStatistics();
+    CbvhClusterStatistics sums = CbvhClusterStatistics(), report = CbvhClusterStatistics();
     report.numClusters = report.numTriangles = report.bytes = report.numClustersByReason[3] = 12345;
-    rtcForEachCompressedCluster(geometry, 0, RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3, add, &sums, &report);
+    forEachStoredCluster(geometry, 0, CBVH_CLUSTER_FORMAT_FLOAT3, add, &sums, &report);
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
     EXPECT_EQ(report.numClusters, sums.numClusters);
     EXPECT_EQ(report.numTriangles, sums.numTriangles);
@@ -626,11 +624,11 @@ TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage) {
 
 // A function that returns false needs no further blocks: the library neither reads nor checks them.
 TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead) {
-  const RTCCompressedPartFunction countOne = [](void* calls, const RTCCompressedPart*) {
+  const StoredPartFunction countOne = [](void* calls, const CbvhPart*) {
     ++*(size_t*)calls;
     return false;
   };
-  const RTCCompressedPartFunction countAll = [](void* calls, const RTCCompressedPart*) {
+  const StoredPartFunction countAll = [](void* calls, const CbvhPart*) {
     ++*(size_t*)calls;
     return true;
   };
@@ -641,13 +639,13 @@ TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead) {
     std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
     writeBytes(path, file.bytes);
     size_t ended = 0, all = 0;
-    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    RTCGeometry geometry = loadGeometryFile(device, path.c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
-    rtcForEachCompressedPart(geometry, 0, countOne, &ended);
+    forEachStoredPart(geometry, 0, countOne, &ended);
     const RTCError error = device.takeError();
     EXPECT_LE(ended, 1u);
     EXPECT_EQ(error == RTC_ERROR_NONE, ended == 1) << device.message;
-    rtcForEachCompressedPart(geometry, 0, countAll, &all);
+    forEachStoredPart(geometry, 0, countAll, &all);
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
     EXPECT_EQ(all > 0, ended == 1);
     most = std::max(most, all);
@@ -657,14 +655,14 @@ TEST_F(DamagedFiles, BlocksAfterTheEndOfAnEnumerationAreNotRead) {
 }
 
 TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile) {
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());
-  EXPECT_TRUE(rtcAppendCompressedGeometry(writer, geometry));
-  rtcReleaseCompressedFileWriter(writer);
-  writer = rtcNewCompressedFileWriter(device, path.c_str());
-  EXPECT_FALSE(rtcCommitCompressedFileWriter(writer)) << "without a geometry";
+  RTCGeometry geometry = loadGeometryFile(device, path.c_str());
+  CbvhFileWriter writer = newFileWriter(device, path.c_str());
+  EXPECT_TRUE(appendGeometry(writer, geometry));
+  releaseWriter(writer);
+  writer = newFileWriter(device, path.c_str());
+  EXPECT_FALSE(commitWriter(writer)) << "without a geometry";
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-  rtcReleaseCompressedFileWriter(writer);
+  releaseWriter(writer);
   EXPECT_EQ(folder.names().size(), 1u);
   EXPECT_EQ(bytesOf(path), sound);
   rtcReleaseGeometry(geometry);

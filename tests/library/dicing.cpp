@@ -1,14 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Edge rates for a camera: rtcDiceGeometry. */
+/* Edge rates for a camera: cbvhDiceSurface for the surface of a geometry. */
 
 #include "support/closed.h"
 #include "support/edge_rates.h"
 #include "support/message_parts.h"
 #include "support/saved.h"
-
-#include <embree3/rtcore_dicing.h>
+#include "support/surface_access.h"
 
 #include <limits>
 
@@ -17,13 +16,13 @@ namespace programs::test { namespace {
 const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
 
 // Looks along -z, with 512 x 512 pixels and a field of view of 90 degrees.
-RTCDicingArguments cameraAt(float x, float y, float z) {
-  RTCDicingArguments args;
-  rtcInitDicingArguments(&args);
+CbvhDicingArguments cameraAt(float x, float y, float z) {
+  CbvhDicingArguments args;
   args.position[0] = x;
   args.position[1] = y;
   args.position[2] = z;
   args.direction[2] = -1;
+  args.up[1] = 1;
   args.width = args.height = 512;
   args.pixelSize = 2.0f / 512;
   return args;
@@ -40,8 +39,8 @@ struct Surface {
   }
   ~Surface() { rtcReleaseGeometry(geometry); }
 
-  std::vector<float> rates(const RTCDicingArguments& args) {
-    rtcDiceGeometry(geometry, &args);
+  std::vector<float> rates(const CbvhDicingArguments& args) {
+    diceGeometry(geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const float* const levels = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
     rtcCommitGeometry(geometry);
@@ -79,7 +78,7 @@ TEST(Dicing, QuadsHaveRequestedSize) {
   Surface surface(device, quadCage()); // 1 x 1
   for (float height : {0.5f, 1.0f, 3.0f, 10.0f})
     for (float size : {0.5f, 1.0f, 7.0f}) {
-      RTCDicingArguments args = cameraAt(0.5f, 0.5f, height);
+      CbvhDicingArguments args = cameraAt(0.5f, 0.5f, height);
       args.quadSize = size;
       const std::vector<float> rates = surface.rates(args);
       expectPowersOfTwo(rates);
@@ -110,9 +109,9 @@ TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound) {
   Device device;
   Surface surface(device, quadCage());
   for (float width : {6.0f, 2.0f, 0.35f, 0.13f}) { // of the picture at distance 1
-    RTCDicingArguments all = cameraAt(0.5f, 0.5f, 2);
+    CbvhDicingArguments all = cameraAt(0.5f, 0.5f, 2);
     all.pixelSize = width / 512;
-    RTCDicingArguments outside = all;
+    CbvhDicingArguments outside = all;
     all.width = all.height = 0; // no picture bounds: all directions
     const float seen = surface.rates(all)[0];
     // the surface is behind the camera, diagonally behind it, and to the right of a narrow picture
@@ -135,7 +134,7 @@ TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound) {
 TEST(Dicing, FaceIsAsFineAsItsVisiblePart) {
   Device device;
   Surface surface(device, quadCage(20));
-  const RTCDicingArguments args = cameraAt(9.3f, 8.6f, 1);
+  const CbvhDicingArguments args = cameraAt(9.3f, 8.6f, 1);
   const std::vector<float> rates = surface.rates(args);
   for (int i = 0; i < 2; i++) // of two opposite edges, the higher rate determines the quads of the face
     EXPECT_GE(std::max(rates[i], rates[i + 2]), 0.5f * std::min(4096.0f, 20 / args.pixelSize));
@@ -148,7 +147,7 @@ TEST(Dicing, LengthOfDisplacedSurfaceCounts) {
     for (unsigned i = 0; i < args->N; i++)
       args->P_z[i] += 0.2f * std::sin(30 * args->u[i]) * std::sin(float(M_PI) * args->v[i]);
   };
-  const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 4);
+  const CbvhDicingArguments args = cameraAt(0.5f, 0.5f, 4);
   Surface flat(device, quadCage()), displaced(device, quadCage(), waves);
   EXPECT_GE(displaced.rates(args)[0], 2 * flat.rates(args)[0]);
 }
@@ -156,7 +155,7 @@ TEST(Dicing, LengthOfDisplacedSurfaceCounts) {
 TEST(Dicing, MaxRateIsRespected) {
   Device device;
   Surface surface(device, cubeCage());
-  RTCDicingArguments args = cameraAt(0, 0, 3);
+  CbvhDicingArguments args = cameraAt(0, 0, 3);
   std::vector<float> bounds(24, 8.0f);
   args.maxRates = bounds.data();
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
@@ -180,7 +179,7 @@ TEST(Dicing, TinyPixelsGiveTheHighestRate) {
   Surface surface(device, quadCage());
   for (bool orthographic : {false, true})
     for (float pixelSize : {1e-10f, 1e-20f, 1e-37f}) {
-      RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
+      CbvhDicingArguments args = cameraAt(0.5f, 0.5f, 2);
       args.orthographic = orthographic;
       args.pixelSize = pixelSize;
       args.maxRate = 64;
@@ -191,7 +190,7 @@ TEST(Dicing, TinyPixelsGiveTheHighestRate) {
 TEST(Dicing, OrthographicCameraIgnoresDistance) {
   Device device;
   Surface surface(device, quadCage());
-  RTCDicingArguments args = cameraAt(0.5f, 0.5f, 1);
+  CbvhDicingArguments args = cameraAt(0.5f, 0.5f, 1);
   args.orthographic = true;
   const std::vector<float> near = surface.rates(args);
   args.position[2] = 1000;
@@ -202,7 +201,7 @@ TEST(Dicing, OrthographicCameraIgnoresDistance) {
 TEST(Dicing, TransformOfInstanceIsApplied) {
   Device device;
   Surface surface(device, quadCage());
-  RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
+  CbvhDicingArguments args = cameraAt(0.5f, 0.5f, 2);
   const std::vector<float> here = surface.rates(args);
   const float moved[12] = {0, 3, 0, -3, 0, 0, 0, 0, 3, 10, 20, 30}; // rotated and scaled by three
   args.transform = moved;
@@ -231,7 +230,7 @@ TEST(Dicing, ClosedSurfacesStayClosed) {
   for (const auto& c : closedCages) {
     SCOPED_TRACE(c.name);
     Surface surface(device, c.cage);
-    RTCDicingArguments args = cameraAt(0.4f, 0.3f, 1.2f);
+    CbvhDicingArguments args = cameraAt(0.4f, 0.3f, 1.2f);
     args.pixelSize = 0.02f;
     surface.rates(args);
     const Scene scene(device);
@@ -260,7 +259,7 @@ TEST(Dicing, RatesDoNotDependOnTheScale) {
     Cage cage = prismCage(5);
     for (Vec& p : cage.positions)
       for (float& x : p) x *= scale;
-    RTCDicingArguments args = cameraAt(0.3f * scale, 0.2f * scale, 3 * scale);
+    CbvhDicingArguments args = cameraAt(0.3f * scale, 0.2f * scale, 3 * scale);
     args.direction[2] = -length;
     for (float& x : args.up) x *= length;
     args.orthographic = orthographic;
@@ -279,59 +278,73 @@ TEST(Dicing, RatesDoNotDependOnTheScale) {
   }
 }
 
+TEST(Dicing, ZerosSelectDefaults) {
+  Device device;
+  Surface surface(device, quadCage(20));
+  const CbvhDicingArguments zeros = cameraAt(9.3f, 8.6f, 1);
+  CbvhDicingArguments defaults = zeros, others = zeros;
+  defaults.quadSize = 1;
+  defaults.outsideFactor = 8;
+  defaults.maxRate = 4096;
+  others.quadSize = 2;
+  EXPECT_EQ(surface.rates(zeros), surface.rates(defaults));
+  EXPECT_NE(surface.rates(zeros), surface.rates(others));
+}
+
 TEST(Dicing, InvalidArgumentsAreRejectedByName) {
   Device device;
   Surface surface(device, quadCage());
   const auto expectInvalid = [&](const std::vector<std::string>& parts,
-                                 const std::function<void(RTCDicingArguments&)>& change) {
-    RTCDicingArguments args = cameraAt(0, 0, 1);
+                                 const std::function<void(CbvhDicingArguments&)>& change) {
+    CbvhDicingArguments args = cameraAt(0, 0, 1);
     change(args);
-    rtcDiceGeometry(surface.geometry, &args);
+    diceGeometry(surface.geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << parts[0];
     EXPECT_TRUE(containsInOrder(device.message, parts));
     EXPECT_EQ(rtcGetGeometryBufferData(surface.geometry, RTC_BUFFER_TYPE_LEVEL, 0), nullptr) << parts[0];
   };
-  for (float bad : {0.0f, -1.0f, nan, inf}) {
-    expectInvalid({"pixelSize"}, [=](RTCDicingArguments& a) { a.pixelSize = bad; });
-    expectInvalid({"quadSize"}, [=](RTCDicingArguments& a) { a.quadSize = bad; });
-    expectInvalid({"outsideFactor"}, [=](RTCDicingArguments& a) { a.outsideFactor = bad; });
-    expectInvalid({"maxRate"}, [=](RTCDicingArguments& a) { a.maxRate = bad; });
+  expectInvalid({"pixelSize"}, [](CbvhDicingArguments& a) { a.pixelSize = 0; });
+  for (float bad : {-1.0f, nan, inf}) {
+    expectInvalid({"pixelSize"}, [=](CbvhDicingArguments& a) { a.pixelSize = bad; });
+    expectInvalid({"quadSize"}, [=](CbvhDicingArguments& a) { a.quadSize = bad; });
+    expectInvalid({"outsideFactor"}, [=](CbvhDicingArguments& a) { a.outsideFactor = bad; });
+    expectInvalid({"maxRate"}, [=](CbvhDicingArguments& a) { a.maxRate = bad; });
   }
-  expectInvalid({"maxRate"}, [](RTCDicingArguments& a) { a.maxRate = 4097; });
+  expectInvalid({"maxRate"}, [](CbvhDicingArguments& a) { a.maxRate = 4097; });
   for (float bad : {nan, inf}) {
-    expectInvalid({"position"}, [=](RTCDicingArguments& a) { a.position[1] = bad; });
-    expectInvalid({"direction"}, [=](RTCDicingArguments& a) { a.direction[1] = bad; });
-    expectInvalid({"up"}, [=](RTCDicingArguments& a) { a.up[1] = bad; });
+    expectInvalid({"position"}, [=](CbvhDicingArguments& a) { a.position[1] = bad; });
+    expectInvalid({"direction"}, [=](CbvhDicingArguments& a) { a.direction[1] = bad; });
+    expectInvalid({"up"}, [=](CbvhDicingArguments& a) { a.up[1] = bad; });
     const std::vector<float> transform(12, bad);
-    expectInvalid({"transform"}, [&](RTCDicingArguments& a) { a.transform = transform.data(); });
+    expectInvalid({"transform"}, [&](CbvhDicingArguments& a) { a.transform = transform.data(); });
   }
-  expectInvalid({"up"}, [](RTCDicingArguments& a) {
+  expectInvalid({"up"}, [](CbvhDicingArguments& a) {
     a.up[1] = 0;
     a.up[2] = 5;
   });
-  expectInvalid({"width"}, [](RTCDicingArguments& a) { a.width = -1; });
+  expectInvalid({"width"}, [](CbvhDicingArguments& a) { a.width = -1; });
   const std::vector<float> bounds = {1, 2, nan, 4};
-  expectInvalid({"maxRates"}, [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
+  expectInvalid({"maxRates"}, [&](CbvhDicingArguments& a) { a.maxRates = bounds.data(); });
   const std::vector<float> justBelow = {1, 2, 0.99999994f, 4};
-  expectInvalid({"maxRates", "0.99999994", " 2"}, [&](RTCDicingArguments& a) { a.maxRates = justBelow.data(); });
-  expectInvalid({"pixelSize", "-1e-20"}, [](RTCDicingArguments& a) { a.pixelSize = -1e-20f; });
+  expectInvalid({"maxRates", "0.99999994", " 2"}, [&](CbvhDicingArguments& a) { a.maxRates = justBelow.data(); });
+  expectInvalid({"pixelSize", "-1e-20"}, [](CbvhDicingArguments& a) { a.pixelSize = -1e-20f; });
 
-  rtcDiceGeometry(surface.geometry, nullptr);
+  diceGeometry(surface.geometry, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  const RTCDicingArguments args = cameraAt(0, 0, 1);
+  const CbvhDicingArguments args = cameraAt(0, 0, 1);
   RTCGeometry other = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcDiceGeometry(other, &args);
+  diceGeometry(other, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   rtcReleaseGeometry(other);
   rtcUpdateGeometryBuffer(surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0); // not committed after this change
-  rtcDiceGeometry(surface.geometry, &args);
+  diceGeometry(surface.geometry, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
 }
 
 TEST(Dicing, GeometriesWithoutCageAreRejected) {
   Device device;
   const Folder folder;
-  const RTCDicingArguments args = cameraAt(0, 0, 5);
+  const CbvhDicingArguments args = cameraAt(0, 0, 5);
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_CVERT;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
@@ -341,13 +354,13 @@ TEST(Dicing, GeometriesWithoutCageAreRejected) {
   compression.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   rtcSetGeometryCompression(geometry, &compression);
   rtcCommitGeometry(geometry);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "cage").c_str())) << device.message;
-  RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder / "cage").c_str());
+  ASSERT_TRUE(saveGeometryFile(geometry, (folder / "cage").c_str())) << device.message;
+  RTCGeometry loaded = loadGeometryFile(device, (folder / "cage").c_str());
   ASSERT_NE(loaded, nullptr) << device.message;
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE);
   for (RTCGeometry without : {geometry, loaded}) {
     SCOPED_TRACE(without == loaded ? "loaded" : "released");
-    rtcDiceGeometry(without, &args);
+    diceGeometry(without, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << device.message;
     EXPECT_NE(device.message.find(without == loaded ? "loaded" : "released"), std::string::npos) << device.message;
     for (unsigned id : {0u, 5u, 23u, 24u, ~0u}) {
@@ -369,7 +382,7 @@ TEST(Dicing, GeometriesWithoutCageAreRejected) {
 // Commits leave out such faces and store the others, which must get the same rates as without them.
 TEST(Dicing, UnsupportedFacesAreIgnored) {
   Device device;
-  const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
+  const CbvhDicingArguments args = cameraAt(0.5f, 0.5f, 2);
   const std::vector<float> alone = Surface(device, quadCage()).rates(args);
   for (const Cage& other : {prismCage(20), trapezohedronCage(1025)}) {
     SCOPED_TRACE(testing::Message() << other.faces[0] << " corners");
@@ -390,8 +403,8 @@ TEST(Dicing, CagesWithInvalidIndicesAreRejected) {
   RTCGeometry geometry = newSurface(device, cage, SurfaceSettings());
   rtcCommitGeometry(geometry);
   device.takeError();
-  const RTCDicingArguments args = cameraAt(0, 0, 5);
-  rtcDiceGeometry(geometry, &args);
+  const CbvhDicingArguments args = cameraAt(0, 0, 5);
+  diceGeometry(geometry, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(device.message.find("vertex 1000"), std::string::npos) << device.message;
   rtcReleaseGeometry(geometry);

@@ -6,6 +6,7 @@
 
 #include "support/exhaustible_heap.h"
 #include "support/file_mutations.h"
+#include "support/surface_access.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ TEST(ExhaustedHeap, LoadedGeometriesAreReleased) {
   Device device;
   const std::string path = folder / "a.cbvh", damaged = folder / "b.cbvh";
   RTCGeometry geometry = allSaveable()[0].make(device);
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+  ASSERT_TRUE(saveGeometryFile(geometry, path.c_str()));
   rtcReleaseGeometry(geometry);
   FileBytes file(bytesOf(path));
   std::fill_n(file.bytes.begin() + ptrdiff_t(file.record(0).blocks), file.record(0).blockBytes, '\0');
@@ -26,7 +27,7 @@ TEST(ExhaustedHeap, LoadedGeometriesAreReleased) {
   Random random(1);
   const std::vector<RTCRayHit> rays = raysAt(random, 500);
   const auto load = [&](const std::string& from) {
-    RTCGeometry loaded = rtcLoadCompressedGeometry(device, from.c_str());
+    RTCGeometry loaded = loadGeometryFile(device, from.c_str());
     EXPECT_NE(loaded, nullptr) << device.message;
     return loaded;
   };

@@ -5,6 +5,7 @@
 
 #include "kernels/cvert/format/motion.h"
 #include "support/file_mutations.h"
+#include "support/surface_access.h"
 
 #include <functional>
 #include <iomanip>
@@ -237,19 +238,19 @@ private:
 TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks) {
   Folder folder;
   Device device;
-  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder / "all").c_str());
+  CbvhFileWriter writer = newFileWriter(device, (folder / "all").c_str());
   std::vector<size_t> quads;
   const std::vector<Saveable> all = allSaveable();
   for (const Saveable& saveable : all) {
     Scene scene(device);
     RTCGeometry geometry = saveable.make(device);
-    EXPECT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
+    EXPECT_TRUE(appendGeometry(writer, geometry)) << device.message;
     attach(scene, geometry);
     rtcCommitScene(scene);
     quads.push_back(statisticsOf(scene).numQuads);
   }
-  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
+  ASSERT_TRUE(commitWriter(writer)) << device.message;
+  releaseWriter(writer);
   const std::string bytes = bytesOf(folder / "all");
   Reader reader(bytes);
   reader.checkHeader();
@@ -307,7 +308,7 @@ TEST(FileFormat, VersionOfBlocksIsTheOldestThatSuffices) {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
     RTCGeometry geometry = saveable.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "one").c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, (folder / "one").c_str())) << device.message;
     rtcReleaseGeometry(geometry);
     const std::string bytes = bytesOf(folder / "one");
     Reader reader(bytes);

@@ -9,8 +9,7 @@
 #include "support/memory.h"
 #include "support/message_parts.h"
 #include "support/same_hits.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <atomic>
@@ -301,9 +300,9 @@ std::vector<std::vector<Vec>> storedVertices(RTCGeometry geometry, const std::ve
     std::vector<std::vector<Vec>> vertices;
   } found{grids, {}};
   for (const RTCGrid& grid : grids) found.vertices.emplace_back(size_t(grid.width) * grid.height, Vec{NAN, NAN, NAN});
-  rtcForEachCompressedPart(
+  forEachStoredPart(
       geometry, time,
-      [](void* ptr, const RTCCompressedPart* part) {
+      [](void* ptr, const CbvhPart* part) {
         const RTCGrid& grid = ((Found*)ptr)->grids.at(part->primID);
         for (unsigned i = 0; i < part->width * part->height; i++) {
           const auto x = size_t(std::lround(part->parameters[2 * i] * float(grid.width - 1))),

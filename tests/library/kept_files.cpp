@@ -15,8 +15,7 @@
 #include "support/query_forms.h"
 #include "support/same_hits.h"
 #include "support/saved.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <functional>
 #include <memory>
@@ -188,16 +187,16 @@ class LoadedScene : public Scene {
 public:
   LoadedScene(RTCDevice device, const KeptFile& kept)
     : Scene(device),
-      geometry(rtcLoadCompressedGeometry(device, kept.path().c_str())) {
+      geometry(loadGeometryFile(device, kept.path().c_str())) {
     if (geometry) attach(*this, geometry);
     rtcCommitScene(*this);
   }
   const RTCGeometry geometry;
 };
 
-bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangle& triangle) {
+bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, CbvhTriangle& triangle) {
   const RTCHit& hit = r.hit;
-  return isHit(r) && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
+  return isHit(r) && findStoredTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
 }
 
 // The hits in the text files were found with AVX2. Other instruction sets round u and v differently.
@@ -217,7 +216,7 @@ void expectEqual(const RTCRayHit& expected, const RTCRayHit& found) {
 
 // t and the normal are rounded once, from doubles. u and v have the errors of floats, on both instruction sets.
 void expectWithinRounding(RTCGeometry geometry, const RTCRayHit& expected, const RTCRayHit& found) {
-  RTCCompressedTriangle triangle;
+  CbvhTriangle triangle;
   ASSERT_TRUE(findTriangle(geometry, found, triangle));
   const HitError error = ExactTriangleHit(found.ray, triangle).oursBound();
   EXPECT_NEAR(expected.ray.tfar, found.ray.tfar, ulpOf(expected.ray.tfar));
@@ -270,7 +269,7 @@ void addRays(Random& random, RTCScene scene, RTCGeometry geometry, float begin, 
     RTCRayHit ray = raysAt(random, 1)[0];
     ray.ray.time = begin + 0.0625f * float(random.below(17)) * (end - begin);
     const RTCRayHit hit = intersect(scene, ray);
-    RTCCompressedTriangle triangle;
+    CbvhTriangle triangle;
     if (geometry && findTriangle(geometry, hit, triangle)) {
       const ExactTriangleHit exact(ray.ray, triangle);
       if (std::min({exact.weights[0], exact.weights[1], exact.weights[2]}) < 0.05 || exact.cosine < 0.2) continue;
@@ -291,7 +290,7 @@ TEST(KeptFiles, DISABLED_WriteMissing) {
   for (const KeptFile& kept : allKeptFiles()) {
     if (kept.checksum || !bytesOf(kept.path()).empty()) continue;
     RTCGeometry geometry = kept.make(device);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, kept.path().c_str())) << device.message;
+    ASSERT_TRUE(saveGeometryFile(geometry, kept.path().c_str())) << device.message;
     rtcReleaseGeometry(geometry);
     KeptHits all;
     Random random(4);

@@ -12,8 +12,7 @@
 #include "support/random_rounds.h"
 #include "support/same_hits.h"
 #include "support/saved.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <array>
 #include <cfloat>
@@ -68,9 +67,9 @@ Vec withoutSign(const Vec& p) { return {p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f}; 
 // All finite vertices that the geometry reports.
 std::set<Vec> storedVertices(RTCGeometry geometry) {
   std::set<Vec> vertices;
-  rtcForEachCompressedPart(
+  forEachStoredPart(
       geometry, 0,
-      [](void* out, const RTCCompressedPart* part) {
+      [](void* out, const CbvhPart* part) {
         for (unsigned i = 0; i < part->width * part->height; i++) {
           const float* p = part->vertices + 3 * i;
           if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
@@ -231,9 +230,9 @@ public:
 std::vector<RTCRayHit> raysAtStored(Random& random, RTCGeometry geometry, float time, unsigned count) {
   typedef std::array<Vec, 3> Triangle;
   std::vector<Triangle> triangles;
-  rtcForEachCompressedPart(
+  forEachStoredPart(
       geometry, time,
-      [](void* out, const RTCCompressedPart* part) {
+      [](void* out, const CbvhPart* part) {
         const auto at = [&](unsigned x, unsigned y) {
           const float* p = part->vertices + 3 * (y * part->width + x);
           return Vec{p[0], p[1], p[2]};
@@ -292,9 +291,9 @@ struct HitValues {
   explicit HitValues(const RTCRayHit& r) : t(r.ray.tfar), u(r.hit.u), v(r.hit.v) {}
 };
 
-bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, RTCCompressedTriangle& triangle) {
+bool findTriangle(RTCGeometry geometry, const RTCRayHit& r, CbvhTriangle& triangle) {
   const RTCHit& hit = r.hit;
-  return isHit(r) && rtcFindCompressedTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
+  return isHit(r) && findStoredTriangle(geometry, r.ray.time, hit.primID, hit.u, hit.v, &hit.Ng_x, &triangle);
 }
 
 template<typename Found>
@@ -336,7 +335,7 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding) {
         const HitValues e(expected[i]), f(found[i]);
         if (!known.insert({float(i), e.t, e.u, e.v, f.t, f.u, f.v, float(isHit(expected[i]))}).second) continue;
         SCOPED_TRACE(testing::Message() << "ray " << i);
-        RTCCompressedTriangle triangle, theirs;
+        CbvhTriangle triangle, theirs;
         if (!findTriangle(ours.geometry, found[i], triangle) || !findTriangle(ours.geometry, expected[i], theirs) ||
             expected[i].hit.primID != found[i].hit.primID || std::memcmp(&triangle, &theirs, sizeof(triangle)) != 0) {
           others++;
@@ -385,8 +384,8 @@ TEST_P(Lossless, FilesHaveTheSameHits) {
     SCOPED_TRACE(source.name);
     Folder folder;
     const SourceScene embree(device, source, RTC_COMPRESSION_NONE), saved(device, source, RTC_COMPRESSION_CVERT);
-    ASSERT_TRUE(rtcSaveCompressedGeometry(saved.geometry, (folder / "lossless").c_str())) << device.message;
-    const RTCGeometry geometry = rtcLoadCompressedGeometry(device, (folder / "lossless").c_str());
+    ASSERT_TRUE(saveGeometryFile(saved.geometry, (folder / "lossless").c_str())) << device.message;
+    const RTCGeometry geometry = loadGeometryFile(device, (folder / "lossless").c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
     const SourceScene loaded(device, geometry);
     ASSERT_EQ(statisticsOf(loaded).maxVertexDeviation, 0);

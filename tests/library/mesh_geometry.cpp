@@ -9,8 +9,7 @@
 #include "support/filtered_geometry.h"
 #include "support/memory.h"
 #include "support/same_hits.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <chrono>
 #include <cstdio>
@@ -625,8 +624,8 @@ TEST(Meshes, TrianglesOfHitsAreReported) {
       for (int i = 0; i < 500; i++) {
         const RTCRayHit r = intersect(scene, rayAt(random, mesh));
         ASSERT_TRUE(isHit(r));
-        RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcFindCompressedTriangle(geometry, 0, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        CbvhTriangle t;
+        ASSERT_TRUE(findStoredTriangle(geometry, 0, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         unsigned v[3];
         if (mesh.isTriangleForm()) std::copy_n(mesh.triangles[r.hit.primID].data(), 3, v);
         else {
@@ -650,13 +649,13 @@ TEST(Meshes, TrianglesOfHitsAreReported) {
                       org[k] + double(r.ray.tfar) * dir[k], 1e-4)
               << "b " << b << ", c " << c;
       }
-      RTCCompressedTriangle t;
-      EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
+      CbvhTriangle t;
+      EXPECT_FALSE(findStoredTriangle(geometry, 0, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
 
       std::set<unsigned> met;
-      rtcForEachCompressedPart(
+      forEachStoredPart(
           geometry, 0,
-          [](void* userPtr, const RTCCompressedPart* part) {
+          [](void* userPtr, const CbvhPart* part) {
             const unsigned n = part->primitivesPerQuad;
             for (unsigned i = 0; i < (part->width - 1) * (part->height - 1) * n; i++)
               if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {

@@ -8,6 +8,7 @@
 #include "support/message_parts.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
+#include "support/surface_access.h"
 
 #include <gtest/gtest.h>
 
@@ -123,8 +124,8 @@ TEST(MovingHardCases, GroupWithoutFiniteVerticesAtOneStepIsHitAtOtherTimes) {
     rtcCommitScene(scene);
   }
   Folder folder;
-  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder / "moving").c_str())) << device.message;
-  const RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder / "moving").c_str());
+  ASSERT_TRUE(saveGeometryFile(geometry, (folder / "moving").c_str())) << device.message;
+  const RTCGeometry loaded = loadGeometryFile(device, (folder / "moving").c_str());
   ASSERT_NE(loaded, nullptr) << device.message;
   rtcCommitGeometry(loaded);
   rtcAttachGeometry(ofFile, loaded);

@@ -10,6 +10,7 @@
 #include "support/moving_surface.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
+#include "support/surface_access.h"
 
 #include <gtest/gtest.h>
 
@@ -459,8 +460,8 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported) {
         const RTCRayHit r = intersect(scene, ray);
         if (!isHit(r)) continue;
         hits++;
-        RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcFindCompressedTriangle(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        CbvhTriangle t;
+        ASSERT_TRUE(findStoredTriangle(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         std::set<unsigned> corners;
         for (unsigned v : verticesOf(mesh, r.hit.primID)) corners.insert(v);
         for (int c = 0; c < 3; c++) {

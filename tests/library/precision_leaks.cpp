@@ -11,8 +11,8 @@
 #include "measure/leak_rays.h"
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
+#include "support/surface_access.h"
 
-#include <embree3/rtcore_compressed_triangles.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -83,7 +83,7 @@ class StoredAt {
 public:
   AimPoints points;
 
-  StoredAt(RTCGeometry geometry, float time) { rtcForEachCompressedPart(geometry, time, add, this); }
+  StoredAt(RTCGeometry geometry, float time) { forEachStoredPart(geometry, time, add, this); }
 
   // The triangles as a geometry of Embree's own triangle kernel.
   RTCGeometry newTriangles(RTCDevice device) const {
@@ -101,9 +101,9 @@ public:
   }
 
 private:
-  static bool add(void* self, const RTCCompressedPart* part) { return ((StoredAt*)self)->addPart(*part); }
+  static bool add(void* self, const CbvhPart* part) { return ((StoredAt*)self)->addPart(*part); }
 
-  bool addPart(const RTCCompressedPart& part) {
+  bool addPart(const CbvhPart& part) {
     const unsigned w = part.width, h = part.height;
     const auto at = [&](unsigned x, unsigned y) {
       const float* p = part.vertices + 3 * (y * w + x);

@@ -9,8 +9,7 @@
 
 #include "support/diced_mesh.h"
 #include "support/random_rounds.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <cstdio>
 #include <memory>
@@ -127,9 +126,9 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce) {
              e[0][2] * e[1][0] != e[0][0] * e[1][2];
     };
     std::set<unsigned> met;
-    rtcForEachCompressedPart(
+    forEachStoredPart(
         geometry, 0,
-        [](void* userPtr, const RTCCompressedPart* part) {
+        [](void* userPtr, const CbvhPart* part) {
           const unsigned n = part->primitivesPerQuad;
           for (unsigned i = 0; i < (part->width - 1) * (part->height - 1) * n; i++)
             if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
@@ -151,8 +150,8 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce) {
       there++;
       for (float u : {0.3f, 0.8f}) {
         if ((mesh.isTriangleForm() && u > 0.5f) || !hasArea(v, u)) continue;
-        RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcFindCompressedTriangle(geometry, 0, unsigned(i), u, u, nullptr, &t));
+        CbvhTriangle t;
+        ASSERT_TRUE(findStoredTriangle(geometry, 0, unsigned(i), u, u, nullptr, &t));
         for (int c = 0; c < 3; c++) {
           const Vec& p = mesh.vertices[v[halves[u > 0.5f][c]]];
           for (int k = 0; k < 3; k++)

@@ -7,6 +7,7 @@
 #include "support/file_calls.h"
 #include "support/message_parts.h"
 #include "support/saved.h"
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -28,13 +29,13 @@ protected:
     return releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_CVERT);
   }
 
-  bool save(const std::string& to) { return rtcSaveCompressedGeometry(geometry, to.c_str()); }
+  bool save(const std::string& to) { return saveGeometryFile(geometry, to.c_str()); }
 
   void expectLoadable(const std::string& from) {
-    RTCCompressedFile file = rtcOpenCompressedFile(device, from.c_str());
+    CbvhFile file = openFile(device, from.c_str());
     ASSERT_NE(file, nullptr) << device.message;
-    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
-    rtcReleaseCompressedFile(file);
+    EXPECT_TRUE(verifyFile(file)) << device.message;
+    releaseFile(file);
   }
 
   void expectError(const std::vector<std::string>& parts) {
@@ -107,14 +108,14 @@ TEST_F(ReplacedFiles, NonRegularFilesAreRejectedAndStay) {
 TEST_F(ReplacedFiles, NonRegularFilesDoNotBlock) {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   alarm(20); // opening a FIFO without a writer would block forever
-  EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
+  EXPECT_EQ(loadGeometryFile(device, path.c_str()), nullptr);
   expectError({path, "pipe", "regular"});
-  EXPECT_EQ(rtcOpenCompressedFile(device, path.c_str()), nullptr);
+  EXPECT_EQ(openFile(device, path.c_str()), nullptr);
   expectError({path, "pipe", "regular"});
   ASSERT_EQ(rename(path.c_str(), (path + ".part").c_str()), 0);
-  EXPECT_EQ(rtcResumeCompressedFileWriter(device, path.c_str(), 1), nullptr);
+  EXPECT_EQ(resumeFileWriter(device, path.c_str(), 1), nullptr);
   expectError({path + ".part", "regular"});
-  EXPECT_EQ(rtcLoadCompressedGeometry(device, "/dev/zero"), nullptr);
+  EXPECT_EQ(loadGeometryFile(device, "/dev/zero"), nullptr);
   expectError({"/dev/zero", "device", "regular"});
   alarm(0);
 }
@@ -122,7 +123,7 @@ TEST_F(ReplacedFiles, NonRegularFilesDoNotBlock) {
 TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved) {
   const auto beginInChild = [&](const std::string& to) {
     EXPECT_TRUE(WIFSIGNALED(statusOfChild([&] {
-      rtcNewCompressedFileWriter(device, to.c_str());
+      newFileWriter(device, to.c_str());
       return raise(SIGKILL);
     })));
   };
@@ -132,14 +133,14 @@ TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved) {
   beginInChild(folder / "b.cbvh");
   writeBytes(folder / "a.cbvh.part-1-0", "another program's");
   writeBytes(folder / "a.cbvh.cbvh-part-readme", "another program's");
-  RTCCompressedFileWriter alive = rtcNewCompressedFileWriter(device, path.c_str());
+  CbvhFileWriter alive = newFileWriter(device, path.c_str());
   ASSERT_NE(alive, nullptr);
   EXPECT_NE(access((folder / killed[0]).c_str(), F_OK), 0) << "the killed writer's file still exists";
   EXPECT_EQ(names().size(), 4u) << "one for the other path, two of other programs, one that is being written";
   ASSERT_TRUE(save(path)) << device.message;
   EXPECT_EQ(names().size(), 5u);
-  ASSERT_TRUE(rtcAppendCompressedGeometry(alive, geometry) && rtcCommitCompressedFileWriter(alive)) << device.message;
-  rtcReleaseCompressedFileWriter(alive);
+  ASSERT_TRUE(appendGeometry(alive, geometry) && commitWriter(alive)) << device.message;
+  releaseWriter(alive);
   EXPECT_EQ(names().size(), 4u);
   expectLoadable(path);
 }
@@ -163,30 +164,30 @@ TEST_F(ReplacedFiles, NamesUpToTheFileSystemsLimitAreSupported) {
     SCOPED_TRACE(bytes);
     const std::string to = folder / nameOf(bytes);
     ASSERT_TRUE(save(to)) << device.message;
-    RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
+    CbvhFileWriter writer = resumeFileWriter(device, to.c_str(), 1);
     ASSERT_NE(writer, nullptr) << device.message;
-    ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
-    rtcReleaseCompressedFileWriter(writer);
+    ASSERT_TRUE(appendGeometry(writer, geometry)) << device.message;
+    releaseWriter(writer);
     EXPECT_EQ(names().size(), 2u);
-    writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
+    writer = resumeFileWriter(device, to.c_str(), 1);
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 1u) << "the writer starts again";
-    ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-    rtcReleaseCompressedFileWriter(writer);
+    EXPECT_EQ(countOf(writer), 1u) << "the writer starts again";
+    ASSERT_TRUE(commitWriter(writer)) << device.message;
+    releaseWriter(writer);
     expectLoadable(to);
     EXPECT_EQ(names(), std::vector<std::string>{nameOf(bytes)});
     std::remove(to.c_str());
   }
   const std::string tooLong = folder / nameOf(256);
-  EXPECT_EQ(rtcNewCompressedFileWriter(device, tooLong.c_str()), nullptr) << "the error must be reported at creation";
+  EXPECT_EQ(newFileWriter(device, tooLong.c_str()), nullptr) << "the error must be reported at creation";
   expectError({tooLong, std::strerror(ENAMETOOLONG)});
   /* two long names that differ in their last byte must not share a file */
-  RTCCompressedFileWriter writers[2];
+  CbvhFileWriter writers[2];
   for (int i = 0; i < 2; i++) {
-    writers[i] = rtcResumeCompressedFileWriter(device, (folder / (nameOf(254) + std::to_string(i))).c_str(), 1);
+    writers[i] = resumeFileWriter(device, (folder / (nameOf(254) + std::to_string(i))).c_str(), 1);
     EXPECT_NE(writers[i], nullptr) << device.message;
   }
-  for (RTCCompressedFileWriter writer : writers) rtcReleaseCompressedFileWriter(writer);
+  for (CbvhFileWriter writer : writers) releaseWriter(writer);
   EXPECT_TRUE(names().empty());
 }
 
@@ -223,27 +224,26 @@ TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles) {
     renameDelay = 2000;
     int commits = 0, spoiled = 0;
     for (int tries = 0; commits < rounds && tries < 100000; tries++) {
-      RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, path.c_str(), 7);
+      CbvhFileWriter writer = resumeFileWriter(device, path.c_str(), 7);
       if (!writer) {
         usleep(200);
         continue;
       } // another process holds it
       commits++;
-      const bool isNew = rtcGetCompressedFileWriterGeometryCount(writer) == 0;
-      const bool isComplete =
-          isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFileWriter(writer);
+      const bool isNew = countOf(writer) == 0;
+      const bool isComplete = isNew && appendGeometry(writer, geometry) && commitWriter(writer);
       spoiled += !isComplete;
-      rtcReleaseCompressedFileWriter(writer);
+      releaseWriter(writer);
     }
     _exit(commits < rounds || renameCalls < rounds ? 101 : std::min(spoiled, 100));
   }
   size_t opened = 0, damaged = 0, ended = 0;
   while (ended < children.size()) {
     if (access(path.c_str(), F_OK) == 0) {
-      RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+      CbvhFile file = openFile(device, path.c_str());
       opened++;
-      damaged += !file || !rtcVerifyCompressedFile(file);
-      if (file) rtcReleaseCompressedFile(file);
+      damaged += !file || !verifyFile(file);
+      if (file) releaseFile(file);
     }
     int status = 0;
     const pid_t child = waitpid(-1, &status, WNOHANG);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files that are written in several parts: rtcResumeCompressedFileWriter. */
+/* Files that are written in several parts: resumeFileWriter. */
 
 #include "kernels/cvert/file/file.h"
 #include "kernels/cvert/file/writer.h"
@@ -10,6 +10,7 @@
 #include "support/file_mutations.h"
 #include "support/message_parts.h"
 #include "support/query_forms.h"
+#include "support/surface_access.h"
 
 #include <csignal>
 #include <sys/resource.h>
@@ -21,13 +22,11 @@ class ResumedFiles : public testing::Test {
 protected:
   static constexpr unsigned long long key = 0x123456789abcdef0ull;
 
-  RTCCompressedFileWriter resume(unsigned long long of = key) {
-    return rtcResumeCompressedFileWriter(device, path.c_str(), of);
-  }
+  CbvhFileWriter resume(unsigned long long of = key) { return resumeFileWriter(device, path.c_str(), of); }
 
-  void append(RTCCompressedFileWriter writer, size_t i) {
+  void append(CbvhFileWriter writer, size_t i) {
     RTCGeometry geometry = all[i].make(device);
-    ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
+    ASSERT_TRUE(appendGeometry(writer, geometry)) << device.message;
     rtcReleaseGeometry(geometry);
   }
 
@@ -39,15 +38,15 @@ protected:
 
   /* The file contains the first n geometries, with equal hits to the bit. */
   void expectWhole(size_t n) {
-    RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+    CbvhFile file = openFile(device, path.c_str());
     ASSERT_NE(file, nullptr) << device.message;
-    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
-    ASSERT_EQ(rtcGetCompressedFileGeometryCount(file), n);
+    EXPECT_TRUE(verifyFile(file)) << device.message;
+    ASSERT_EQ(countOf(file), n);
     std::vector<RTCRayHit> rays = raysAt(random, 500);
     for (RTCRayHit& ray : rays) ray.ray.time = float(random.uniform(0, 1));
     for (unsigned i = 0; i < n; i++) {
       Scene from(device), made(device);
-      RTCGeometry geometry = rtcNewGeometryFromCompressedFile(file, i);
+      RTCGeometry geometry = loadFromFile(device, file, i);
       ASSERT_NE(geometry, nullptr) << device.message;
       attach(from, geometry);
       attach(made, all[i].make(device));
@@ -61,25 +60,25 @@ protected:
                     std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2 * sizeof(float)) == 0)
             << all[i].name << ", ray " << k;
     }
-    rtcReleaseCompressedFile(file);
+    releaseFile(file);
   }
 
   /* Writes only the first geometry. Returns the number of bytes. */
   size_t begin() {
-    RTCCompressedFileWriter writer = resume();
+    CbvhFileWriter writer = resume();
     append(writer, 0);
-    rtcReleaseCompressedFileWriter(writer);
+    releaseWriter(writer);
     return bytesOf(part).size();
   }
 
   /* The first geometry still exists, and the second completes the file. */
   void finish() {
-    RTCCompressedFileWriter writer = resume();
+    CbvhFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 1u);
+    EXPECT_EQ(countOf(writer), 1u);
     append(writer, 1);
-    ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-    rtcReleaseCompressedFileWriter(writer);
+    ASSERT_TRUE(commitWriter(writer)) << device.message;
+    releaseWriter(writer);
     expectWhole(2);
   }
 
@@ -92,31 +91,31 @@ protected:
 
 TEST_F(ResumedFiles, ReleasedWriterCanBeResumed) {
   for (size_t i = 0; i < all.size(); i++) { // each with a new writer
-    RTCCompressedFileWriter writer = resume();
+    CbvhFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), i);
+    EXPECT_EQ(countOf(writer), i);
     append(writer, i);
-    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), i + 1);
-    rtcReleaseCompressedFileWriter(writer);
+    EXPECT_EQ(countOf(writer), i + 1);
+    releaseWriter(writer);
     EXPECT_EQ(access(path.c_str(), F_OK), -1) << "the file exists before it is complete";
   }
-  RTCCompressedFileWriter writer = resume();
-  ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
+  CbvhFileWriter writer = resume();
+  ASSERT_TRUE(commitWriter(writer)) << device.message;
+  releaseWriter(writer);
   EXPECT_EQ(folder.names(), std::vector<std::string>{"all.cbvh"});
   expectWhole(all.size());
 }
 
 TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey) {
-  auto write = [&](RTCCompressedFileWriter writer) {
+  auto write = [&](CbvhFileWriter writer) {
     ASSERT_NE(writer, nullptr) << device.message;
     append(writer, 0);
-    ASSERT_TRUE(rtcCommitCompressedFileWriter(writer)) << device.message;
-    rtcReleaseCompressedFileWriter(writer);
+    ASSERT_TRUE(commitWriter(writer)) << device.message;
+    releaseWriter(writer);
   };
   write(resume(0));
   const std::string resumed = bytesOf(path);
-  write(rtcNewCompressedFileWriter(device, path.c_str()));
+  write(newFileWriter(device, path.c_str()));
   EXPECT_EQ(resumed == bytesOf(path), true);
 }
 
@@ -124,18 +123,18 @@ TEST_F(ResumedFiles, FileSystemsWithoutFsyncAreSupported) {
   for (int error : {EINVAL, EROFS, EIO}) {
     SCOPED_TRACE(strerror(error));
     fsyncError = error;
-    RTCCompressedFileWriter writer = resume();
+    CbvhFileWriter writer = resume();
     append(writer, 0);
-    const bool isWritten = rtcCommitCompressedFileWriter(writer);
+    const bool isWritten = commitWriter(writer);
     fsyncError = 0;
     EXPECT_EQ(isWritten, error != EIO);
     EXPECT_EQ(access(path.c_str(), F_OK) == 0, error != EIO);
     EXPECT_EQ(device.takeError(), error == EIO ? RTC_ERROR_INVALID_OPERATION : RTC_ERROR_NONE) << device.message;
     RTCGeometry another = all[1].make(device);
-    EXPECT_FALSE(rtcAppendCompressedGeometry(writer, another)) << "after a commit or a failed write";
+    EXPECT_FALSE(appendGeometry(writer, another)) << "after a commit or a failed write";
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
     rtcReleaseGeometry(another);
-    rtcReleaseCompressedFileWriter(writer);
+    releaseWriter(writer);
     unlink(path.c_str());
   }
 }
@@ -147,7 +146,7 @@ TEST_F(ResumedFiles, KillLosesOnlyDataAfterTheLastFlush) {
   for (long more : {0l, 100l, 4000l, 5000l}) { // written before the process is killed
     const int status = statusOfChild([&] {
       bytesUntilKill = more;
-      rtcAppendCompressedGeometry(resume(), second);
+      appendGeometry(resume(), second);
       return 1;
     });
     killed += WIFSIGNALED(status) != 0;
@@ -164,11 +163,11 @@ TEST_F(ResumedFiles, FullDiskKeepsSavedData) {
     signal(SIGXFSZ, SIG_IGN);
     const rlimit full = {saved + 5000, saved + 5000};
     setrlimit(RLIMIT_FSIZE, &full);
-    RTCCompressedFileWriter writer = resume();
-    if (rtcAppendCompressedGeometry(writer, second)) return 1;
+    CbvhFileWriter writer = resume();
+    if (appendGeometry(writer, second)) return 1;
     if (device.takeError() != RTC_ERROR_INVALID_OPERATION) return 2;
-    if (rtcCommitCompressedFileWriter(writer)) return 3;
-    rtcReleaseCompressedFileWriter(writer);
+    if (commitWriter(writer)) return 3;
+    releaseWriter(writer);
     return 0;
   });
   EXPECT_EQ(status, 0);
@@ -177,10 +176,10 @@ TEST_F(ResumedFiles, FullDiskKeepsSavedData) {
 }
 
 TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged) {
-  RTCCompressedFileWriter writer = resume();
+  CbvhFileWriter writer = resume();
   append(writer, 0);
   expectRefused("writer");
-  rtcReleaseCompressedFileWriter(writer);
+  releaseWriter(writer);
   const std::string sound = bytesOf(part);
   expectRefused("key", key + 1);
   expectRefused("key", key ^ (1ull << 63));
@@ -207,18 +206,18 @@ TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged) {
     writeBytes(part, bytes);
     writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(writer), 0u);
-    rtcReleaseCompressedFileWriter(writer);
+    EXPECT_EQ(countOf(writer), 0u);
+    releaseWriter(writer);
     EXPECT_TRUE(folder.names().empty()) << "an empty part must not leave files";
   }
 }
 
 /* A file is resumed if and only if it could be opened once it is committed. Changed fields have fitting checksums. */
 TEST_F(ResumedFiles, ReadersAndResumedWritersAcceptTheSameFiles) {
-  RTCCompressedFileWriter writer = resume();
+  CbvhFileWriter writer = resume();
   append(writer, 0);
   append(writer, 1);
-  rtcReleaseCompressedFileWriter(writer);
+  releaseWriter(writer);
   const std::string sound = bytesOf(part);
   size_t accepted = 0, refused = 0;
   const auto expectSame = [&](const char* what, const std::function<void(FileBytes&)>& change) {
@@ -281,9 +280,9 @@ TEST_F(ResumedFiles, ReadersAndResumedWritersAcceptTheSameFiles) {
 }
 
 TEST_F(ResumedFiles, NullIsRejected) {
-  EXPECT_EQ(rtcResumeCompressedFileWriter(device, nullptr, key), nullptr);
+  EXPECT_EQ(resumeFileWriter(device, nullptr, key), nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(rtcGetCompressedFileWriterGeometryCount(nullptr), 0u);
+  EXPECT_EQ(countOf(CbvhFileWriter(nullptr)), 0u);
 }
 
 }} // namespace programs::test

@@ -1,19 +1,16 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Secondary rays from a representation's own hits agree with GRID's rays from GRID's hits, except for a bounded share.
- * The paper's rule, a hit at the near side of every interval along the ray, needs a larger offset for the same
- * share. */
+/* Secondary rays from a representation's own hits agree with GRID's rays from GRID's hits, except for a
+ * bounded share. */
 
 #include "measure/self_shadow.h"
-#include "support/near_side.h"
 
 #include "basics/parallel.h"
 #include "building/built_scene.h"
 #include "programs/view_options.h"
 #include "scenes/catalogue.h"
 #include "tracing/camera.h"
-#include "tracing/ray_conversion.h"
 #include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
@@ -73,21 +70,6 @@ struct Fixture {
     return compare(scene.handle(), traceClosest(scene, primary, threads));
   }
 
-  ShadowComparison compareNearSide(const BuiltScene& leaf) const {
-    const NearSideScene nearSide(leaf.handle());
-    std::vector<SurfaceHit> hits(primary.size());
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (size_t i = 0; i < hits.size(); i++) {
-      RTCRayHit ray;
-      load(primary[i], ray.ray);
-      ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(nearSide.handle(), &context, &ray);
-      hits[i] = leaf.surfaceHit(ray);
-    }
-    return compare(nearSide.handle(), hits);
-  }
-
   const unsigned threads = threadCount(0);
   Model model;
   std::unique_ptr<BuiltScene> grid;
@@ -113,15 +95,5 @@ protected:
 TEST_F(SelfShadow, AtMostOneInAThousandOnGentleSurface) { expectAtMost(0.001, Fixture("cube", 0.001f)); }
 
 TEST_F(SelfShadow, AtMostOneInAHundredOnFrog) { expectAtMost(0.01, Fixture("frog", std::nullopt)); }
-
-TEST_F(SelfShadow, AtMostAFifthOfNearSideRuleAtEmbreesOffset) {
-  for (const char* scene : {"knee", "cube"}) {
-    SCOPED_TRACE(scene);
-    Fixture f(scene, std::nullopt);
-    f.shadows.offset = RayOffset::ofEmbree();
-    const std::unique_ptr<BuiltScene> leaf = f.built("cleaf-only");
-    EXPECT_LE(share(f.compare(*leaf)), 0.2 * share(f.compareNearSide(*leaf)));
-  }
-}
 
 }} // namespace programs::test

@@ -6,8 +6,7 @@
 #include "support/diced.h"
 #include "support/edge_rates.h"
 #include "support/memory.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <array>
@@ -25,9 +24,9 @@ struct AllParts {
   std::map<unsigned, std::set<Triangle>> triangles; // by primID
   size_t quads = 0, calls = 0, mostCalls = ~size_t(0);
 
-  explicit AllParts(RTCGeometry geometry) { rtcForEachCompressedPart(geometry, 0, add, this); }
+  explicit AllParts(RTCGeometry geometry) { forEachStoredPart(geometry, 0, add, this); }
 
-  static bool add(void* self, const RTCCompressedPart* part) {
+  static bool add(void* self, const CbvhPart* part) {
     AllParts& all = *(AllParts*)self;
     all.calls++;
     const auto at = [&](unsigned x, unsigned y) {
@@ -59,8 +58,8 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
     if (!isHit(r)) continue;
     hits++;
     SCOPED_TRACE(testing::Message() << "primID " << r.hit.primID << ", u " << r.hit.u << ", v " << r.hit.v);
-    RTCCompressedTriangle t;
-    ASSERT_TRUE(rtcFindCompressedTriangle(geometry, 0, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+    CbvhTriangle t;
+    ASSERT_TRUE(findStoredTriangle(geometry, 0, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
     Triangle vertices;
     for (int c = 0; c < 3; c++) std::copy_n(t.vertices[c], 3, vertices[c].begin());
     ASSERT_TRUE(all.triangles.count(r.hit.primID) && all.triangles.at(r.hit.primID).count(vertices));
@@ -191,9 +190,9 @@ TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal) {
       for (float x : {r.ray.tfar, r.hit.u, r.hit.v, r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}) result.hits.push_back(x);
     }
     EXPECT_GT(result.hits.size(), 6u * 100u);
-    rtcForEachCompressedPart(
+    forEachStoredPart(
         geometry, time,
-        [](void* vertices, const RTCCompressedPart* part) {
+        [](void* vertices, const CbvhPart* part) {
           for (unsigned i = 0; i < part->width * part->height; i++) {
             const float* p = part->vertices + 3 * i;
             ((std::vector<Vec>*)vertices)->push_back({p[0], p[1], p[2]});
@@ -224,9 +223,9 @@ TEST(StoredTriangles, ManyThreadsReadThem) {
   std::atomic<size_t> found{0};
   for (int i = 0; i < 8; i++)
     threads.emplace_back([&] {
-      RTCCompressedTriangle t;
+      CbvhTriangle t;
       for (unsigned primID = 0; primID < diced.grids.size(); primID++)
-        found += rtcFindCompressedTriangle(geometry, 0, primID, 0.3f, 0.6f, nullptr, &t);
+        found += findStoredTriangle(geometry, 0, primID, 0.3f, 0.6f, nullptr, &t);
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(found, 8 * diced.grids.size());
@@ -234,9 +233,9 @@ TEST(StoredTriangles, ManyThreadsReadThem) {
 
 TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors) {
   Device device;
-  RTCCompressedTriangle t;
+  CbvhTriangle t;
   const auto lookUp = [&](RTCGeometry geometry, unsigned primID = 0) {
-    return rtcFindCompressedTriangle(geometry, 0, primID, 0.5f, 0.5f, nullptr, &t);
+    return findStoredTriangle(geometry, 0, primID, 0.5f, 0.5f, nullptr, &t);
   };
   const Diced diced = dicedSheet(2, 8);
   Scene scene(device);
@@ -254,9 +253,9 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors) {
   EXPECT_TRUE(lookUp(geometry));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(lookUp(geometry, 4));
-  EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, 1.5f, 0.5f, nullptr, &t));
-  EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, NAN, 0.5f, nullptr, &t));
-  EXPECT_TRUE(rtcFindCompressedTriangle(geometry, NAN, 0, 0.5f, 0.5f, nullptr, &t)) << "the geometry does not move";
+  EXPECT_FALSE(findStoredTriangle(geometry, 0, 0, 1.5f, 0.5f, nullptr, &t));
+  EXPECT_FALSE(findStoredTriangle(geometry, 0, 0, NAN, 0.5f, nullptr, &t));
+  EXPECT_TRUE(findStoredTriangle(geometry, NAN, 0, 0.5f, 0.5f, nullptr, &t)) << "the geometry does not move";
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(lookUp(plain));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
@@ -268,12 +267,12 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors) {
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_NE(device.message.find("triangles"), std::string::npos) << device.message;
   rtcReleaseGeometry(user);
-  rtcForEachCompressedPart(geometry, 0, nullptr, nullptr);
+  forEachStoredPart(geometry, 0, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_FALSE(rtcFindCompressedTriangle(geometry, 0, 0, 0.5f, 0.5f, nullptr, nullptr));
+  EXPECT_FALSE(findStoredTriangle(geometry, 0, 0, 0.5f, 0.5f, nullptr, nullptr));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   size_t calls = 0;
-  rtcForEachCompressedPart(geometry, 0, [](void* n, const RTCCompressedPart*) { return ++*(size_t*)n < 3; }, &calls);
+  forEachStoredPart(geometry, 0, [](void* n, const CbvhPart*) { return ++*(size_t*)n < 3; }, &calls);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
 }
 
@@ -286,7 +285,7 @@ TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry) {
     size_t calls = 0;
     ssize_t freed = 0;
 
-    static bool function(void* self, const RTCCompressedPart* part) {
+    static bool function(void* self, const CbvhPart* part) {
       Callback& callback = *(Callback*)self;
       EXPECT_GT(part->width, 1u);
       if (callback.calls++ != 0) return true;
@@ -311,7 +310,7 @@ TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry) {
     }
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const ssize_t before = memory.live;
-    rtcForEachCompressedPart(callback.geometry, 0, Callback::function, &callback);
+    forEachStoredPart(callback.geometry, 0, Callback::function, &callback);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     EXPECT_GT(callback.calls, 16u) << "one grid has several parts";
     EXPECT_EQ(callback.freed, 0) << "blocks were freed during the call";

@@ -6,8 +6,7 @@
  * with the application's floats in long double; no rule of the library is repeated here. */
 
 #include "support/scene.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <cfloat>
@@ -128,7 +127,7 @@ public:
     if (statistics.numQuads == 0) return {};
     vertices.assign(sheet.steps[0].size(), {NAN, NAN, NAN});
     timeOfStep = sheet.steps.size() > 1 ? float(step) / float(sheet.steps.size() - 1) : 0;
-    rtcForEachCompressedPart(geometry, timeOfStep, addPart, this);
+    forEachStoredPart(geometry, timeOfStep, addPart, this);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     return vertices;
   }
@@ -172,7 +171,7 @@ private:
     }
   }
 
-  static bool addPart(void* ptr, const RTCCompressedPart* part) {
+  static bool addPart(void* ptr, const CbvhPart* part) {
     Stored& self = *(Stored*)ptr;
     if (part->primitivesPerQuad) {
       self.addMeshPart(*part);
@@ -186,7 +185,7 @@ private:
 
   /* A part of a mesh may be turned and mirrored: neighboring quads show how. Without neighbors, quads are looked up one
    * by one, which is slow. */
-  void addMeshPart(const RTCCompressedPart& part) {
+  void addMeshPart(const CbvhPart& part) {
     const unsigned w = part.width - 1, h = part.height - 1, columns = sheet.width - 1;
     const auto quadAt = [&](unsigned x, unsigned y) {
       const unsigned quad = part.primIDs[(size_t(y) * w + x) * part.primitivesPerQuad] / part.primitivesPerQuad;
@@ -224,10 +223,10 @@ private:
     const unsigned quad = y * (sheet.width - 1) + x, a = y * sheet.width + x, b = a + 1, c = a + sheet.width, d = c + 1;
     const unsigned corners[2][3] = {{a, b, c}, {d, c, b}};
     for (unsigned i : {0u, 1u}) {
-      RTCCompressedTriangle triangle;
+      CbvhTriangle triangle;
       const float u = kind == Kind::Quads && i ? 0.75f : 0.25f;
       const unsigned primID = kind == Kind::Quads ? quad : 2 * quad + i;
-      if (!rtcFindCompressedTriangle(geometry, timeOfStep, primID, u, u, nullptr, &triangle)) continue;
+      if (!findStoredTriangle(geometry, timeOfStep, primID, u, u, nullptr, &triangle)) continue;
       for (int k = 0; k < 3; k++) set(corners[i][k], triangle.vertices[k]);
     }
   }

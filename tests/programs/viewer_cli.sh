@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # Tests cbvh_viewer without a display: its pictures, and for invalid input one clear line, a nonzero exit status and no
-# output file.
+# output file. render_cli.sh tests options that the programs share.
 #
 # usage: viewer_cli.sh PATH/TO/cbvh_viewer PATH/TO/cbvh_render
 
@@ -39,18 +39,9 @@ refuses "show blocks .*$folder/text.cbvh .*shading.*normals" "$folder/text.cbvh"
 refuses "quad.obj: --scene .*--cage " --scene cube "$folder/quad.obj"
 refuses "heights.png: --height " "$folder/quad.obj" "$folder/heights.png" \
   --height "$folder/heights.png"
-refuses "representation 'mesh'.*naive, naive-compact, grid" --scene cube --representation mesh
 refuses "representation 'grid,cleaf,cvoxel' .*two" --scene cube --representation grid,cleaf,cvoxel
-refuses "count 0 .* 1 to 100000" --scene herd --count 0
-refuses "mapping 'ptex'.*faces.*atlas" --scene trex --mapping ptex
 refuses "show 'pretty'.*shading" --scene cube --show pretty
-refuses "level 9 .* 0 to 8" --scene cube --level 9
-refuses "frame level '9'.* 0 to 8" --scene cube --frame-level 9
-refuses "size '16'.*WIDTHxHEIGHT" --scene cube --size 16
-refuses "view 'side'.*full, close" --scene cube --view side
-refuses "isa 'mmx'.*avx2" --scene cube --isa mmx
 refuses "threads -1 " --scene cube --threads -1
-refuses "samples.* 0 .* 1 to " --scene cube --samples 0
 refuses "time 2.* 0 to 1" --scene cube --motion turn --time 2
 refuses "time nan.* 0 to 1" --scene cube --motion turn --time nan
 refuses "option --paint" --scene cube --paint red

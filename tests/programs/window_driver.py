@@ -216,18 +216,6 @@ class Session:
         wait_for(f"the window does not show {what}", lambda: self.screen() == picture)
         print(f"shows {what}")
 
-    def shows_beside_panel(self, what, picture, place):
-        """Waits until the window shows the picture at a position (x, y), and anything in the rest."""
-        x, y = place
-
-        def shown():
-            width, height, pixels = self.screen()
-            rows = (3 * (row * width + x) for row in range(y, y + picture[1]))
-            return b"".join(pixels[at : at + 3 * picture[0]] for at in rows) == picture[2]
-
-        wait_for(f"the window does not show {what} next to the panel", shown)
-        print(f"shows {what} next to the panel")
-
     def ends(self, status):
         wait_for("the viewer does not end", lambda: self.viewer.poll() is not None)
         if self.viewer.returncode != status:

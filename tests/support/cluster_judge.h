@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* The decoded triangles of clusters must be those that rtcForEachCompressedPart returns and that rays hit. Throws if
+/* The decoded triangles of clusters must be those that forEachStoredPart returns and that rays hit. Throws if
  * they differ. */
 
 #include "support/cluster_decoder.h"
-
-#include <embree3/rtcore_compressed_clusters.h>
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <cstring>
@@ -47,12 +46,12 @@ struct TriangleSet {
   }
 };
 
-inline Corner cornerOf(const RTCCompressedPart& part, unsigned x, unsigned y) {
+inline Corner cornerOf(const CbvhPart& part, unsigned x, unsigned y) {
   const float* p = part.vertices + 3 * (size_t(y) * part.width + x);
   return {p[0], p[1], p[2]};
 }
 
-inline std::array<Corner, 3> triangleOf(const RTCCompressedPart& part, unsigned number) {
+inline std::array<Corner, 3> triangleOf(const CbvhPart& part, unsigned number) {
   const unsigned quad = number / 2, x = quad % (part.width - 1), y = quad / (part.width - 1);
   if (number % 2) return {cornerOf(part, x, y + 1), cornerOf(part, x + 1, y), cornerOf(part, x + 1, y + 1)};
   return {cornerOf(part, x, y), cornerOf(part, x + 1, y), cornerOf(part, x, y + 1)};
@@ -68,16 +67,16 @@ inline bool canBeHit(const std::array<Corner, 3>& t) {
 
 class ClusterJudge {
 public:
-  RTCCompressedClusterStatistics statistics;
+  CbvhClusterStatistics statistics;
   size_t decodedVertices = 0;
   size_t wholeClusters = 0, largestCluster = 0;
 
   // Throws with a description of the first difference.
-  ClusterJudge(RTCGeometry geometry, float time, RTCCompressedClusterFormat format) : format(format) {
+  ClusterJudge(RTCGeometry geometry, float time, CbvhClusterFormat format) : format(format) {
     std::memset((void*)&statistics, 0xFF, sizeof(statistics));
     statistics.structSize = sizeof(statistics);
-    rtcForEachCompressedPart(geometry, time, addPart, this);
-    rtcForEachCompressedCluster(geometry, time, format, addCluster, this, &statistics);
+    forEachStoredPart(geometry, time, addPart, this);
+    forEachStoredCluster(geometry, time, format, addCluster, this, &statistics);
     if (!failure.empty()) throw std::runtime_error(failure);
     demand(found == expected, "other triangles");
     size_t clusters = 0, triangles = 0;
@@ -95,7 +94,7 @@ public:
   }
 
 private:
-  static bool addPart(void* self, const RTCCompressedPart* part) {
+  static bool addPart(void* self, const CbvhPart* part) {
     for (unsigned i = 0; i < 2 * (part->width - 1) * (part->height - 1); i++) {
       const std::array<Corner, 3> t = triangleOf(*part, i);
       if (canBeHit(t)) ((ClusterJudge*)self)->expected.add(t[0], t[1], t[2]);
@@ -103,22 +102,21 @@ private:
     return true;
   }
 
-  static bool addCluster(void* self, const RTCCompressedCluster* cluster) {
+  static bool addCluster(void* self, const CbvhCluster* cluster) {
     try {
       ((ClusterJudge*)self)->add(*cluster);
     } catch (const std::exception& error) { ((ClusterJudge*)self)->failure = error.what(); }
     return ((ClusterJudge*)self)->failure.empty();
   }
 
-  void add(const RTCCompressedCluster& cluster) {
-    demand((cluster.reason == RTC_COMPRESSED_CLUSTER_REASON_NONE) == (cluster.format == format),
-           "a reason, and the format");
-    demand(cluster.format == format || cluster.format == RTC_COMPRESSED_CLUSTER_FORMAT_FLOAT3, "another format");
+  void add(const CbvhCluster& cluster) {
+    demand((cluster.reason == CBVH_CLUSTER_REASON_NONE) == (cluster.format == format), "a reason, and the format");
+    demand(cluster.format == format || cluster.format == CBVH_CLUSTER_FORMAT_FLOAT3, "another format");
     demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256,
            "a cluster that is too large");
     demand(cluster.firstTriangle == found.count, "the first triangle");
     DecodedCluster decoded;
-    const bool isDgf = cluster.format == RTC_COMPRESSED_CLUSTER_FORMAT_DGF1;
+    const bool isDgf = cluster.format == CBVH_CLUSTER_FORMAT_DGF1;
     if (isDgf) {
       decoded = decodeDgf(cluster.data, cluster.bytes);
       demand(decoded.primitives == cluster.firstTriangle && decoded.vertices.size() == cluster.numVertices &&
@@ -127,7 +125,7 @@ private:
       for (unsigned t = 0; t < cluster.numTriangles; t++)
         for (int c = 0; c < 3; c++)
           demand(decoded.triangles[t][c] == cluster.indices[3 * t + c], "indices are not those of the block");
-    } else if (cluster.format == RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1)
+    } else if (cluster.format == CBVH_CLUSTER_FORMAT_COMPRESSED1)
       decoded = decodeCompressed1(cluster.data, cluster.bytes, cluster.numVertices);
     else {
       demand(cluster.bytes == 12 * cluster.numVertices, "the bytes of floats");
@@ -173,9 +171,9 @@ private:
     seen.numClustersByReason[cluster.reason]++;
   }
 
-  const RTCCompressedClusterFormat format;
+  const CbvhClusterFormat format;
   TriangleSet expected, found;
-  RTCCompressedClusterStatistics seen = RTCCompressedClusterStatistics();
+  CbvhClusterStatistics seen = CbvhClusterStatistics();
   std::string failure;
 };
 

@@ -9,8 +9,7 @@
 #include "kernels/cvert/file/format.h"
 #include "support/query_forms.h"
 #include "support/saved.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 #include <algorithm>
 #include <string>
@@ -169,13 +168,13 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
     EXPECT_FALSE(device.message.empty());
     return trial;
   };
-  RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+  CbvhFile file = openFile(device, path.c_str());
   if (!file) return failed();
-  RTCGeometry geometry = rtcNewGeometryFromCompressedFile(file, 0);
-  RTCCompressedFileGeometryInfo description;
-  EXPECT_TRUE(rtcGetCompressedFileGeometryInfo(file, 0, &description));
+  RTCGeometry geometry = loadFromFile(device, file, 0);
+  CbvhFileSurfaceInfo description;
+  EXPECT_TRUE(infoOf(file, 0, &description));
   if (!geometry) {
-    rtcReleaseCompressedFile(file);
+    releaseFile(file);
     return failed();
   }
   trial.isLoaded = true;
@@ -184,7 +183,7 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
     Scene scene(device);
     // sometimes next to another geometry
     if (random.chance(0.3))
-      if (RTCGeometry other = rtcNewGeometryFromCompressedFile(file, 0)) attach(scene, other);
+      if (RTCGeometry other = loadFromFile(device, file, 0)) attach(scene, other);
     const unsigned id = rtcAttachGeometry(scene, geometry);
     rtcCommitScene(scene);
     std::vector<RTCRayHit> rays = raysAt(random, 120);
@@ -195,9 +194,9 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
         trial.hits++;
         EXPECT_LE(r.hit.geomID, id);
         EXPECT_LT(r.hit.primID, description.numPrimitives);
-        RTCCompressedTriangle triangle;
+        CbvhTriangle triangle;
         if (form == QueryForm::Single)
-          rtcFindCompressedTriangle(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
+          findStoredTriangle(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
       }
       QueryRun(scene, form, true)(rays);
     }
@@ -205,14 +204,13 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(scene, &query, &context, nullptr, nullptr);
-    rtcForEachCompressedPart(
-        geometry, description.startTime, [](void*, const RTCCompressedPart*) { return true; }, nullptr);
+    forEachStoredPart(geometry, description.startTime, [](void*, const CbvhPart*) { return true; }, nullptr);
   }
   trial.errors = device.errors;
-  rtcSaveCompressedGeometry(geometry, copy.c_str());
-  trial.isVerified = rtcVerifyCompressedFile(file);
+  saveGeometryFile(geometry, copy.c_str());
+  trial.isVerified = verifyFile(file);
   rtcReleaseGeometry(geometry);
-  rtcReleaseCompressedFile(file);
+  releaseFile(file);
   device.takeError();
   return trial;
 }

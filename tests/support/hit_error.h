@@ -6,8 +6,9 @@
 /* The exact hit of a ray on a triangle, and first-order bounds on the rounding errors of three ways to compute it in
  * floats: our rule (docs/formats/rays.md), and Embree's Moeller-Trumbore and Pluecker tests. */
 
+#include "support/surface_access.h"
+
 #include <embree3/rtcore.h>
-#include <embree3/rtcore_compressed_triangles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +35,7 @@ public:
   double weights[3]; // of the vertices; one of them is negative if the line misses the triangle
   double cosine;     // of the angle between ray and normal, not negative
 
-  ExactTriangleHit(const RTCRay& ray, const RTCCompressedTriangle& triangle) : triangle(triangle) {
+  ExactTriangleHit(const RTCRay& ray, const CbvhTriangle& triangle) : triangle(triangle) {
     const float org[3] = {ray.org_x, ray.org_y, ray.org_z}, dir[3] = {ray.dir_x, ray.dir_y, ray.dir_z};
     const auto square = [](const double a[3]) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; };
     for (int k = 0; k < 3; k++) {
@@ -170,7 +171,7 @@ private:
     return {ofT, parameter(triangle.u, u), parameter(triangle.v, v)};
   }
 
-  const RTCCompressedTriangle triangle;
+  const CbvhTriangle triangle;
   double d[3][3], D[3], E[3], C[3], n[3], den;
   int kz;
   double sheared[3][2], sum;

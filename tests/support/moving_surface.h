@@ -6,8 +6,7 @@
 /* A motion of cages, and rays from the center of moving compressed surfaces at vertices and edges. */
 
 #include "support/scene.h"
-
-#include <embree3/rtcore_compressed_triangles.h>
+#include "support/surface_access.h"
 
 namespace programs::test {
 
@@ -26,9 +25,9 @@ inline Vec orbiting(const Vec& p, unsigned step) {
 struct MovingTargets {
   std::vector<Vec> points;
 
-  MovingTargets(RTCGeometry geometry, float time) { rtcForEachCompressedPart(geometry, time, add, this); }
+  MovingTargets(RTCGeometry geometry, float time) { forEachStoredPart(geometry, time, add, this); }
 
-  static bool add(void* self, const RTCCompressedPart* part) {
+  static bool add(void* self, const CbvhPart* part) {
     const auto vertex = [&](unsigned x, unsigned y) {
       const float* p = part->vertices + 3 * (y * part->width + x);
       return Vec{p[0], p[1], p[2]};

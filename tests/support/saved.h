@@ -7,8 +7,7 @@
 
 #include "support/irregular_mesh.h"
 #include "support/scene.h"
-
-#include <embree3/rtcore_compressed_files.h>
+#include "support/surface_access.h"
 
 #include <gtest/gtest.h>
 

@@ -17,25 +17,25 @@ export LC_ALL=C
   exit 1
 }
 
-symbols() { nm --dynamic --defined-only "$1" | awk '{ print $2, $3 }' | sort; }
+symbols() { nm --dynamic --defined-only "$1" | awk '$2 != "A" { print $2, $3 }' | sort; } # A: names of versions
 symbols "$stock" > "$work/stock"
 symbols "$ours" > "$work/ours"
 [ "$(wc -l < "$work/stock")" -gt 100 ]
 comm -23 "$work/stock" "$work/ours" > "$work/removed"
-comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
+comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 | sort > "$work/added"
 [ ! -s "$work/removed" ] || {
   echo "removed:"
   cat "$work/removed"
   exit 1
 }
-# functions of our headers, see below, and of kernels/cbvh/backend/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFileWriter rtcDiceGeometry rtcFindCompressedTriangle \
-  rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart rtcGetCompressedFileGeometryCount \
-  rtcGetCompressedFileGeometryInfo rtcGetCompressedFileGeometryStatistics rtcGetCompressedFileWriterGeometryCount \
-  rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry \
-  rtcNewCompressedFileWriter rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError \
-  rtcReleaseCompressedFile rtcReleaseCompressedFileWriter rtcReleaseFlatScene rtcResumeCompressedFileWriter \
-  rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
+# functions of rtcore_*.h and cbvh.h, and of kernels/cbvh/backend/flat_scene.h for libembree3_vulkan. Those of cbvh.h
+# have a version.
+{
+  printf '%s\n' rtcFlattenScene rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics \
+    rtcNewContextFromDevice rtcNewGeometryFromSurface rtcNewSurfaceFromGeometry rtcRaiseDeviceError \
+    rtcReleaseFlatScene rtcSetGeometryCompression
+  grep -o '^CBVH_API .*' "$headers/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | sed 's/($/@@EMBREE_CBVH_0.9/'
+} | sort > "$work/api"
 diff "$work/api" "$work/added" || {
   echo "added symbols are not those of our headers" >&2
   exit 1
@@ -50,7 +50,6 @@ for header in /usr/include/embree3/*; do
 done
 # Our headers support C and C++.
 for language in c c++; do
-  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters \
-    rtcore_dicing rtcore_compressed_files |
+  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_surface |
     cc -x "$language" -Wall -Werror -fsyntax-only -I "${headers%/*}" -
 done

@@ -58,15 +58,15 @@ end
 begin cbvh
 check embree
 check settings embree
-check base embree
-check surface base embree
-check exact surface base embree
-check paper surface base embree
-check blocks paper base embree
-check files blocks paper base embree
-check backend blocks paper base embree
-check building blocks exact paper surface base embree
-check traversal blocks exact paper base embree
+check base settings embree
+check surface base settings embree
+check exact surface base settings embree
+check paper surface base settings embree
+check blocks paper base settings embree
+check files blocks paper base settings embree
+check backend blocks paper base settings embree
+check building blocks exact paper surface base settings embree
+check traversal blocks exact paper base settings embree
 check operations files blocks paper surface base settings embree
 check api operations building traversal files backend blocks exact paper surface base settings embree
 end

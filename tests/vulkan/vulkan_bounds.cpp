@@ -25,26 +25,6 @@ protected:
   }
 };
 
-TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected) {
-  Scene scene(embree);
-  attach(scene, newTriangle(embree, 0));
-  rtcCommitScene(scene);
-  const VulkanScene uploaded = newVulkanScene(device, scene);
-  ASSERT_TRUE(uploaded) << embree.message;
-  const std::vector<RTCRayHit> rays = raysFromAbove();
-  {
-    RayBuffer buffer(vulkan->handles, rays.data(), 2 * sizeof(RTCRayHit));
-    RecordedTrace recorded(vulkan->handles);
-    recorded.record([&](VkCommandBuffer commands) {
-      EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, buffer.address, 3));
-    });
-    recorded.submitAndWait();
-  }
-  std::string messages;
-  for (const std::string& message : vulkan->validation.messages.take()) messages += message + "\n";
-  EXPECT_TRUE(has(messages, "out of bounds")) << messages;
-}
-
 TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds) {
   Scene scene(embree), surfaces(embree);
   Displacement displacements[4];

@@ -8,6 +8,7 @@
 #include "vulkan_tracer.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
+#include "support/surface_access.h"
 
 namespace programs::test { namespace {
 
@@ -29,10 +30,10 @@ TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits) {
     SCOPED_TRACE(form.name);
     Scene saved(embree), loaded(embree);
     RTCGeometry geometry = form.make(embree);
-    rtcSaveCompressedGeometry(geometry, path.c_str());
+    saveGeometryFile(geometry, path.c_str());
     ASSERT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
     attach(saved, geometry);
-    RTCGeometry from = rtcLoadCompressedGeometry(embree, path.c_str());
+    RTCGeometry from = loadGeometryFile(embree, path.c_str());
     ASSERT_NE(from, nullptr) << embree.message;
     rtcCommitGeometry(from);
     attach(loaded, from);

@@ -58,7 +58,7 @@ public:
   /* `grid` is the first baseline. Adds descriptions of GRID and views to the group. The settings must outlive this
    * object. */
   Comparisons(const GroupSettings& settings, const BuildSettings& build, const BuiltScene& grid, Group& group)
-    : errors{settings.model, settings.surfaces, settings.level, threadCount(build.threads)},
+    : errors{settings.model, settings.surfaces, threadCount(build.threads)},
       all(makeViews(settings.options, settings.model, grid, settings.reference)),
       pictures(settings.options, settings.scene, settings.model, settings.level),
       robustness(settings.model, build, frameLevels(settings.options.representations), settings.options.checks,

@@ -132,15 +132,9 @@ json memoryJson(const VariantResult& r) {
 }
 
 json viewJson(const ViewResult& v) {
-  json view = {{"view", v.view},
-               {"errors", errorsJson(v.errors)},
-               {"errors_away_from_silhouettes", errorsJson(v.errorsAwayFromSilhouettes)},
-               {"bounced", errorsJson(v.bounced)}};
+  json view = {{"view", v.view}, {"errors", errorsJson(v.errors)}, {"bounced", errorsJson(v.bounced)}};
   if (v.toReference) view["errors_to_reference_level"] = errorsJson(*v.toReference);
   if (v.toTrue) view["errors_to_true_surface"] = errorsJson(*v.toTrue);
-  if (v.bins) view["bins_of_4_bits"] = heightBinsJson(*v.bins);
-  if (v.binsAwayFromSilhouettes)
-    view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAwayFromSilhouettes);
   if (!v.picture.empty()) view["picture"] = v.picture;
   if (!v.errorMap.empty()) view["error_map"] = v.errorMap;
   return view;

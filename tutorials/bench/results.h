@@ -6,7 +6,6 @@
 #include "batches.h"
 #include "robustness.h"
 #include "building/built_scene.h"
-#include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
 #include "tracing/hit_records.h"
@@ -42,13 +41,11 @@ struct HitAgreement {
 
 struct ViewResult {
   std::string view;
-  HitErrors errors;                                        // primary rays, against GRID at the same level
-  HitErrors errorsAwayFromSilhouettes;                     // the same, without rays near silhouettes
-  std::optional<HitErrors> toReference;                    // primary rays, against GRID at the reference level
-  std::optional<TrueErrors> toTrue;                        // primary rays, against the true surface
-  std::optional<HeightBins> bins, binsAwayFromSilhouettes; // cLEAF-only with a frame level, if toTrue is set
-  HitErrors bounced;                                       // incoherent rays, against GRID at the same level
-  std::string picture, errorMap;                           // file names
+  HitErrors errors;                     // primary rays, against GRID at the same level
+  std::optional<HitErrors> toReference; // primary rays, against GRID at the reference level
+  std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
+  HitErrors bounced;                    // incoherent rays, against GRID at the same level
+  std::string picture, errorMap;        // file names
 };
 
 struct VariantResult {

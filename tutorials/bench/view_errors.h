@@ -11,7 +11,6 @@ namespace programs {
 struct ErrorSettings {
   const Model& model;
   const TrueSurfaces* surfaces; // null to skip errors against the true surface
-  int level;
   unsigned threads;
 };
 

@@ -6,13 +6,9 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "building/memory.h"
-#include "measure/silhouettes.h"
 #include "programs/view_options.h"
 #include "tracing/shutter.h"
 #include "tracing/trace_hits.h"
-
-#include <algorithm>
-#include <iterator>
 
 namespace programs {
 namespace {
@@ -28,9 +24,6 @@ View makeView(const BenchOptions& options, const Camera& camera, const BuiltScen
   if (moves) setTimes(view.primary, Shutter(), 0, view.camera.size(), view.camera.size().width);
   view.gridHits = traceClosest(grid, view.primary, threads);
   view.sample = sampleHits(view.gridHits, options.trueHits, options.seed);
-  view.awayFromSilhouettes = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
-  std::set_intersection(view.sample.begin(), view.sample.end(), view.awayFromSilhouettes.begin(),
-                        view.awayFromSilhouettes.end(), std::back_inserter(view.sampleAwayFromSilhouettes));
   BounceSettings bounce;
   bounce.count = options.rays;
   bounce.offset = options.rayOffset * grid.bounds().diagonal();

@@ -30,11 +30,9 @@ struct View {
   Camera camera;
   const ReferenceView* reference = nullptr; // may be null
   std::vector<Ray> primary, sets[numRaySets];
-  std::vector<SurfaceHit> gridHits;              // of the primary rays
-  std::vector<SurfaceHit> bouncedGridHits;       // of the incoherent set
-  std::vector<size_t> sample;                    // primary rays to compare with the true surface
-  std::vector<size_t> awayFromSilhouettes;       // primary rays
-  std::vector<size_t> sampleAwayFromSilhouettes; // the intersection of both
+  std::vector<SurfaceHit> gridHits;        // of the primary rays
+  std::vector<SurfaceHit> bouncedGridHits; // of the incoherent set
+  std::vector<size_t> sample;              // primary rays to compare with the true surface
 };
 
 /* Traces the views of the options with GRID at the reference level; returns none without that level. Throws Error. */

@@ -6,6 +6,7 @@
 #include "basics/seconds.h"
 #include "building/built_scene.h"
 #include "building/subdivision_geometry.h"
+#include "building/surface_handles.h"
 #include "programs/command_line.h"
 #include "programs/run_program.h"
 #include "programs/surface_options.h"
@@ -15,7 +16,6 @@
 
 #include <CLI/CLI.hpp>
 #include <embree3/rtcore.h>
-#include <embree3/rtcore_compressed_clusters.h>
 #include <embree3/rtcore_compression.h>
 
 #include <cmath>
@@ -37,13 +37,12 @@ struct Options {
 };
 
 const struct {
-  RTCCompressedClusterFormat format;
+  CbvhClusterFormat format;
   const char* name;
-} formats[] = {{RTC_COMPRESSED_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"},
-               {RTC_COMPRESSED_CLUSTER_FORMAT_DGF1, "DGF1"}};
+} formats[] = {{CBVH_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"}, {CBVH_CLUSTER_FORMAT_DGF1, "DGF1"}};
 
 /* Clusters stored as floats, by reason: "3 floats, 2 out of range". */
-std::string describeFloatClusters(const RTCCompressedClusterStatistics& statistics) {
+std::string describeFloatClusters(const CbvhClusterStatistics& statistics) {
   const char* const names[] = {"", "floats", "moving", "out of range"};
   std::string text;
   for (int reason = 1; reason < 4; reason++)
@@ -72,11 +71,12 @@ size_t measure(const Options& options, Model& model) {
   device.check("committing");
   const double bytes = double(device.memory().live() - before);
 
+  const SurfaceHandle surface = surfaceOf(geometry.get());
   size_t decoded = 0;
   for (const auto& format : formats) {
-    RTCCompressedClusterStatistics statistics;
-    const double seconds = secondsOf(
-        [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &statistics); });
+    CbvhClusterStatistics statistics;
+    const double seconds =
+        secondsOf([&] { cbvhForEachCluster(surface.get(), 0, format.format, nullptr, nullptr, &statistics); });
     device.check("making clusters");
     if (statistics.numTriangles == 0)
       throw Error(model.name + ": no triangle is compressed: expected vertices in the range of floats");

@@ -5,6 +5,7 @@
 
 #include "building/diced_surface.h"
 #include "building/subdivision_geometry.h"
+#include "building/surface_handles.h"
 #include "measure/interleaved_speed.h"
 #include "measure/quantiles.h"
 #include "programs/command_line.h"
@@ -16,7 +17,6 @@
 
 #include <CLI/CLI.hpp>
 #include <embree3/rtcore.h>
-#include <embree3/rtcore_compressed_triangles.h>
 #include <embree3/rtcore_compression.h>
 
 #include <array>
@@ -228,7 +228,7 @@ public:
     std::vector<Vec3f> all;
     for (unsigned i = 0; i < steps; i++) {
       std::vector<Part> parts;
-      rtcForEachCompressedPart(geometry.get(), steps > 1 ? float(i) / float(steps - 1) : 0, add, &parts);
+      cbvhForEachPart(surfaceOf(geometry.get()).get(), steps > 1 ? float(i) / float(steps - 1) : 0, add, &parts);
       std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.name < b.name; });
       for (const Part& part : parts) all.insert(all.end(), part.vertices.begin(), part.vertices.end());
     }
@@ -244,7 +244,7 @@ private:
     std::vector<Vec3f> vertices;
   };
 
-  static bool add(void* out, const RTCCompressedPart* part) {
+  static int add(void* out, const CbvhPart* part) {
     const bool isMesh = part->primitivesPerQuad > 0;
     Part copy;
     copy.name =

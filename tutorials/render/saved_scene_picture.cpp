@@ -92,7 +92,7 @@ void render(const Options& options, const std::string& file, const std::string& 
   }
   scene.check();
   PictureFiles files(options.output, name, options.size, options.crop, options.colors, options.samples);
-  const Representation representation{RepresentationKind(scene.geometries()[0].compression)};
+  const Representation representation{RepresentationKind(scene.geometries()[0].representation)};
   const std::string path = files.writePicture(representation, picture.image());
   if (options.exr) files.writeExr(representation, picture.linear(), firstRays, firstHits);
   char line[256];

@@ -35,7 +35,7 @@ std::unique_ptr<const LoadedModel> openSaved(const SceneSettings& source, const 
 
 bool LoadedModel::moves() const {
   if (!saved) return !model.poses.empty();
-  const auto moves = [](const RTCCompressedFileGeometryInfo& g) { return g.numTimeSteps > 1; };
+  const auto moves = [](const CbvhFileSurfaceInfo& g) { return g.numTimeSteps > 1; };
   return std::any_of(saved->geometries().begin(), saved->geometries().end(), moves);
 }
 

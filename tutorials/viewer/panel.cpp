@@ -58,8 +58,8 @@ std::string frameLevelEntries() {
 std::string kindsIn(const SavedScene& scene) {
   std::string kinds;
   for (RepresentationKind kind : representationKinds())
-    for (const RTCCompressedFileGeometryInfo& geometry : scene.geometries())
-      if (RepresentationKind(geometry.compression) == kind) {
+    for (const CbvhFileSurfaceInfo& geometry : scene.geometries())
+      if (RepresentationKind(geometry.representation) == kind) {
         kinds += (kinds.empty() ? "" : ", ") + labelOf(kind);
         break;
       }

@@ -8,30 +8,19 @@
 
 #include "../operations/struct_size.h"
 #include "../embree/scene.h"
-#include "../../../include/embree3/rtcore_compressed_clusters.h"
-#include "../../../include/embree3/rtcore_compressed_files.h"
-#include "../../../include/embree3/rtcore_dicing.h"
+#include "../../../include/embree3/rtcore_compression.h"
 #include "../base/surface_statistics.h"
-#include "../blocks/part.h"
 
 namespace embree {
 namespace core {
 /* Each with the last member of the struct's first version: never change it when appending members. */
 CBVH_EXTENSIBLE_STRUCT(RTCCompressionArguments, progressUserPtr);
 CBVH_EXTENSIBLE_STRUCT(RTCCompressionStatistics, cacheBytesPerThread);
-CBVH_EXTENSIBLE_STRUCT(RTCCompressedFileGeometryInfo, bytes);
-CBVH_EXTENSIBLE_STRUCT(RTCDicingArguments, maxRates);
-CBVH_EXTENSIBLE_STRUCT(RTCCompressedClusterStatistics, numTrianglesByReason);
 } // namespace core
 
 /*! Throws RTC_ERROR_INVALID_ARGUMENT if a pointer argument is null. name: of the argument. */
 inline void requireNotNull(const void* argument, const char* name) {
   if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT, std::string(name) + " is NULL");
-}
-
-inline RTCCompressedPart toPublic(const cbvh::StoredPart& part) {
-  return RTCCompressedPart{part.primID,     part.width,   part.height,           part.vertices,
-                           part.parameters, part.primIDs, part.primitivesPerQuad};
 }
 
 inline RTCCompressionStatistics toPublic(const cbvh::CompressionStatistics& statistics) {

@@ -5,8 +5,8 @@
  * instruction set that a file is compiled for. CBVH_BEGIN and CBVH_END enclose code that compiles as C++ and as GLSL.
  * See cvert/portable/language.h. */
 
-#ifndef CBVH_CODEC_NAMES_H
-#define CBVH_CODEC_NAMES_H
+#ifndef CBVH_BASE_CODEC_NAMES_H
+#define CBVH_BASE_CODEC_NAMES_H
 
 #include "../../cvert/portable/language.h"
 

@@ -18,8 +18,8 @@
  * To remove a kind, remove this code, its folder, its number, its bit in framedKinds and its row of kindDescriptions.
  * Its row of kindFormats must stay, because the rows are indexed by number. */
 
-#ifndef CBVH_KINDS_H
-#define CBVH_KINDS_H
+#ifndef CBVH_BASE_KINDS_H
+#define CBVH_BASE_KINDS_H
 
 #include "codec_names.h"
 #include "../../cvert/format/limits.h"

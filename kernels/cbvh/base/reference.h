@@ -5,8 +5,8 @@
  * child. The lower 27 bits are its index in an array that depends on the type. Indices suffice for at least 8 GiB of
  * blocks: they count blocks, and a block has at least 64 bytes. Compiled as C++ and GLSL. */
 
-#ifndef CBVH_REFERENCE_H
-#define CBVH_REFERENCE_H
+#ifndef CBVH_BASE_REFERENCE_H
+#define CBVH_BASE_REFERENCE_H
 
 #include "kinds.h"
 

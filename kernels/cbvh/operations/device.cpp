@@ -12,4 +12,10 @@ Device* newDevice(const char* deviceString) {
   device->refInc();
   return device;
 }
+
+Device* deviceOf(Geometry* geometry) { return geometry->device; }
+
+unsigned numPrimitives(Geometry* geometry) { return geometry->size(); }
+
+void raiseError(Device* device, RTCError code, const char* text) { Device::process_error(device, code, text); }
 } // namespace embree::core

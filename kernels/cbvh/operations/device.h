@@ -7,6 +7,7 @@
 
 namespace embree {
 class Device;
+class Geometry;
 
 namespace core {
 /*! As rtcNewDevice, but throws the reason of a failure; rtcNewDevice keeps only its code. Errors:
@@ -14,5 +15,14 @@ namespace core {
  *  RTC_ERROR_UNSUPPORTED_CPU. deviceString: may be null. The reference count is 1. Thread safety: any thread may
  *  call it at any time. */
 Device* newDevice(const char* deviceString);
+
+/*! Returns the device of a geometry. */
+Device* deviceOf(Geometry* geometry);
+
+/*! Returns the number of faces, grids, quads or triangles of a geometry. */
+unsigned numPrimitives(Geometry* geometry);
+
+/*! Reports an error as functions of rtcore.h do, to the device, or to the calling thread if it is null. */
+void raiseError(Device* device, RTCError code, const char* text);
 } // namespace core
 } // namespace embree

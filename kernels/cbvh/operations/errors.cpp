@@ -23,5 +23,21 @@ CaughtError caughtError() noexcept {
   }
 }
 
+ErrorCollector*& currentCollector() noexcept {
+  static thread_local ErrorCollector* current = nullptr;
+  return current;
+}
+
+bool collectError(const void* device, RTCError code, const char* text) noexcept {
+  ErrorCollector* const collector = currentCollector();
+  if (!collector || !device || collector->device != device) return false;
+  CaughtError& last = collector->last;
+  last.code = code;
+  try {
+    last.text = text ? text : "";
+  } catch (const std::bad_alloc&) { last.text.clear(); }
+  return true;
+}
+
 void throwInvalidArgument(const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT, text); }
 } // namespace embree::core

@@ -21,6 +21,19 @@ struct CaughtError {
  *  RTC_ERROR_OUT_OF_MEMORY. Outside of a catch block it ends the process. */
 CaughtError caughtError() noexcept;
 
+/*! Keeps the errors that Embree reports on a thread. */
+struct ErrorCollector {
+  const void* device = nullptr;            //!< collects errors of this device; null: of none
+  CaughtError last = {RTC_ERROR_NONE, {}}; //!< the last error
+};
+
+/*! The current collector of this thread, or null. */
+ErrorCollector*& currentCollector() noexcept;
+
+/*! Stores an error in this thread's collector if it collects errors of the device. Otherwise returns false. Called by
+ *  Device::process_error, which then handles the error. text: may be null. */
+bool collectError(const void* device, RTCError code, const char* text) noexcept;
+
 /*! Throws RTC_ERROR_INVALID_ARGUMENT. For code without Embree's internal headers. libembree3_vulkan has its own
  *  definition, in rtcore_vulkan.cpp. */
 [[noreturn]] void throwInvalidArgument(const std::string& text);

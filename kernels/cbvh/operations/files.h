@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Compressed geometries in files (docs/formats/file.md), with the contracts of
- * include/embree3/rtcore_compressed_files.h. Errors are thrown. A file is mapped: rays can be traced immediately,
- * blocks that no ray reaches stay on disk, and processes share the memory. A mapped file may be replaced or removed,
- * but must not be written or truncated. */
+/* Compressed geometries in files (docs/formats/file.md), with the contracts of include/cbvh/cbvh.h. Errors are thrown.
+ * A file is mapped: rays can be traced immediately, blocks that no ray reaches stay on disk, and processes share the
+ * memory. A mapped file may be replaced or removed, but must not be written or truncated. */
 
 #include "../base/surface_statistics.h"
 #include "../../../include/embree3/rtcore_compression.h"
@@ -23,7 +22,7 @@ class Device;
 class Geometry;
 
 namespace core {
-/*! As rtcSaveCompressedGeometry. Thread safety: other threads may trace the geometry during this call, but not
+/*! As cbvhSaveSurface. Thread safety: other threads may trace the geometry during this call, but not
  *  commit it. Cost: reads, checksums and writes all blocks. */
 void saveGeometry(Geometry* geometry, const char* path);
 
@@ -33,7 +32,7 @@ public:
   /*! Starts a file. Errors: as saveGeometry. */
   CompressedFileWriter(Device* device, const char* path);
 
-  /*! As rtcResumeCompressedFileWriter: starts a file, or continues an uncommitted one. key: identifies the source
+  /*! As cbvhResumeFileWriter: starts a file, or continues an uncommitted one. key: identifies the source
    *  of the geometries. */
   CompressedFileWriter(Device* device, const char* path, uint64_t key);
 
@@ -46,10 +45,10 @@ public:
   /*! Number of appended geometries, including those of a resumed file. */
   size_t size() const;
 
-  /*! As rtcAppendCompressedGeometry. */
+  /*! As cbvhAppendSurface. */
   void append(Geometry* geometry);
 
-  /*! As rtcCommitCompressedFileWriter. */
+  /*! As cbvhCommitFileWriter. */
   void commit();
 
   Device* const device; //!< holds a reference
@@ -58,7 +57,7 @@ private:
   std::unique_ptr<cvert::FileWriter> writer;
 };
 
-/*! Describes a geometry in a file, as RTCCompressedFileGeometryInfo does. */
+/*! Describes a geometry in a file, as CbvhFileSurfaceInfo does. */
 struct CompressedFileGeometryInfo {
   RTCGeometryType type;       //!< of the saved geometry
   RTCCompression compression; //!< representation
@@ -84,10 +83,10 @@ public:
   /*! Reads neither tree nor blocks. Errors: RTC_ERROR_INVALID_ARGUMENT if index is not below size(). */
   CompressedFileGeometryInfo geometryInfo(size_t index) const;
 
-  /*! As rtcGetCompressedFileGeometryStatistics: members that files do not store are 0. */
+  /*! As cbvhGetFileSurfaceStatistics: members that files do not store are 0. */
   cbvh::CompressionStatistics statistics(size_t index) const;
 
-  /*! As rtcLoadCompressedGeometry: returns a new, committed geometry with one reference, which the caller must
+  /*! As cbvhLoadSurface: returns a new, committed geometry with one reference, which the caller must
    *  release. Copies the blocks that rays reach if another surface has the same surface number, as when an index is
    *  loaded twice. Errors: as geometryInfo; RTC_ERROR_INVALID_ARGUMENT if the tree or a moving block is damaged, or
    *  blocks are not supported; std::bad_alloc; RTC_ERROR_OUT_OF_MEMORY if the memory monitor refuses. */

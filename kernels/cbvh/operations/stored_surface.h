@@ -22,7 +22,7 @@ namespace embree {
 class Geometry;
 
 namespace core {
-/*! As rtcFindCompressedTriangle: finds the triangle of a hit. Ng: 3 floats, or null. triangle: written if one is
+/*! As cbvhFindTriangle: finds the triangle of a hit. Ng: 3 floats, or null. triangle: written if one is
  *  found. Cost: decodes a few blocks. The first call after a commit builds an index of 16 bytes per block, plus 4
  *  per primitive of a quad or triangle mesh. */
 bool findTriangle(Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
@@ -32,7 +32,7 @@ bool findTriangle(Geometry* geometry, float time, unsigned primID, float u, floa
  *  once. */
 void forEachPart(Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
 
-/*! As rtcForEachCompressedCluster: calls closure(cluster) for all clusters, always in the same order, until it
+/*! As cbvhForEachCluster: calls closure(cluster) for all clusters, always in the same order, until it
  *  returns false. statistics: set to sums over the clusters, even after an error. Errors: also
  *  RTC_ERROR_INVALID_ARGUMENT for an unknown format, and RTC_ERROR_INVALID_OPERATION for more than 2^32
  *  triangles, or 2^29 with DGF. */

@@ -9,8 +9,8 @@
  * docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their meaning.
  * Compiles as C++ and GLSL. */
 
-#ifndef CBVH_BLOCK_H
-#define CBVH_BLOCK_H
+#ifndef CBVH_PAPER_BLOCK_H
+#define CBVH_PAPER_BLOCK_H
 
 #include "../base/kinds.h"
 #include "morton.h"

@@ -15,8 +15,8 @@
  * divided by W, is the vector "epsilon", by which traversal widens every bound. Blocks see a ray displaced by less than
  * their epsilons, so no ray passes between neighbors. */
 
-#ifndef CBVH_LOCAL_RAY_H
-#define CBVH_LOCAL_RAY_H
+#ifndef CBVH_PAPER_LOCAL_RAY_H
+#define CBVH_PAPER_LOCAL_RAY_H
 
 #include "block.h"
 #include "node.h"

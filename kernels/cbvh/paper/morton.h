@@ -4,8 +4,8 @@
 /* Morton order of nodes and leaves: bits of x and y alternate, x in the even bits. The children of node m are nodes 4 m
  * to 4 m + 3 of the next level. */
 
-#ifndef CBVH_MORTON_H
-#define CBVH_MORTON_H
+#ifndef CBVH_PAPER_MORTON_H
+#define CBVH_PAPER_MORTON_H
 
 #include "../base/codec_names.h"
 

@@ -21,8 +21,8 @@
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
  * shared planes). */
 
-#ifndef CBVH_NODE_H
-#define CBVH_NODE_H
+#ifndef CBVH_PAPER_NODE_H
+#define CBVH_PAPER_NODE_H
 
 #include "morton.h"
 

@@ -4,8 +4,8 @@
 /* World-space normals of hits in blocks with frames. Compiles as C++ and GLSL; block_hit.h is the version of the CPU's
  * traversal. */
 
-#ifndef CBVH_NORMAL_H
-#define CBVH_NORMAL_H
+#ifndef CBVH_PAPER_NORMAL_H
+#define CBVH_PAPER_NORMAL_H
 
 #include "block.h"
 #include "leaf/hit_rule.h"

@@ -3,8 +3,8 @@
 
 /* Scalar decoding of a block's tree: the box of a child of a node or group. The first part compiles as C++ and GLSL. */
 
-#ifndef CBVH_TREE_H
-#define CBVH_TREE_H
+#ifndef CBVH_PAPER_TREE_H
+#define CBVH_PAPER_TREE_H
 
 #include "block.h"
 #include "leaf/format.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 namespace embree {
-/*! RTCDicingArguments without structSize, and independent of Embree: a camera, and the requested size of quads in its
+/*! CbvhDicingArguments without structSize, and independent of Embree: a camera, and the requested size of quads in its
  *  picture. In world space unless stated otherwise. */
 struct DicingCamera {
   float position[3] = {0, 0, 0};

@@ -4,8 +4,8 @@
 /* Decodes single vertices of a cVERT block: residuals, coordinates, and positions in world space. Scalar code for CPUs
  * (decoded_block.h) and GPUs. */
 
-#ifndef CVERT_CELL_VERTICES_H
-#define CVERT_CELL_VERTICES_H
+#ifndef CVERT_DECODER_CELL_VERTICES_H
+#define CVERT_DECODER_CELL_VERTICES_H
 
 #include "../portable/int3.h"
 #include "step_view.h"

@@ -3,8 +3,8 @@
 
 /* Decodes boxes of a cVERT block's groups, on CPUs and GPUs. */
 
-#ifndef CVERT_GROUP_PLANES_H
-#define CVERT_GROUP_PLANES_H
+#ifndef CVERT_DECODER_GROUP_PLANES_H
+#define CVERT_DECODER_GROUP_PLANES_H
 
 #include "../portable/int3.h"
 #include "step_view.h"

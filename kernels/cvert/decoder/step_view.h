@@ -3,8 +3,8 @@
 
 /* A time step of a cVERT block: hides that first and later steps have different headers and offsets. */
 
-#ifndef CVERT_STEP_VIEW_H
-#define CVERT_STEP_VIEW_H
+#ifndef CVERT_DECODER_STEP_VIEW_H
+#define CVERT_DECODER_STEP_VIEW_H
 
 #include "../format/motion.h"
 

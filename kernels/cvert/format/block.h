@@ -23,8 +23,8 @@
  *
  * A raw block stores vertices and boxes as floats, if a vertex is not finite or floats need fewer bytes. */
 
-#ifndef CVERT_VERT_FORMAT_H
-#define CVERT_VERT_FORMAT_H
+#ifndef CVERT_FORMAT_BLOCK_H
+#define CVERT_FORMAT_BLOCK_H
 
 #include "../portable/bytes.h"
 #include "cell.h"

@@ -24,8 +24,8 @@
  * where b is the sum of the three numbers of bits. If b exceeds 32, the residuals are stored as three arrays instead,
  * one per axis, main axis first. */
 
-#ifndef CVERT_VERTEX_CELL_H
-#define CVERT_VERTEX_CELL_H
+#ifndef CVERT_FORMAT_CELL_H
+#define CVERT_FORMAT_CELL_H
 
 #include "../portable/language.h"
 

@@ -3,8 +3,8 @@
 
 /* Limits and numbers that blocks, files and the kernels share. */
 
-#ifndef CVERT_LIMITS_H
-#define CVERT_LIMITS_H
+#ifndef CVERT_FORMAT_LIMITS_H
+#define CVERT_FORMAT_LIMITS_H
 
 #include "../portable/language.h"
 

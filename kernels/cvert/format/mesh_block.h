@@ -21,8 +21,8 @@
  * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly
  * Geometry Format for Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
 
-#ifndef CVERT_MESH_BLOCK_H
-#define CVERT_MESH_BLOCK_H
+#ifndef CVERT_FORMAT_MESH_BLOCK_H
+#define CVERT_FORMAT_MESH_BLOCK_H
 
 #include "block.h"
 

@@ -16,8 +16,8 @@
  * A raw step stores its vertices as floats after VertStep. In a segment with a raw end, boxes are computed from decoded
  * vertices instead of margins. */
 
-#ifndef CVERT_VERT_MOTION_FORMAT_H
-#define CVERT_VERT_MOTION_FORMAT_H
+#ifndef CVERT_FORMAT_MOTION_H
+#define CVERT_FORMAT_MOTION_H
 
 #include "block.h"
 

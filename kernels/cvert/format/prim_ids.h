@@ -17,8 +17,8 @@
  * triangle's number is higher by 1 or, if the block has VertTrianglePairs, by its distance. The first corner of the
  * application's triangle, stored in the numbering or the table, determines its parameters. */
 
-#ifndef CVERT_QUAD_NUMBERS_H
-#define CVERT_QUAD_NUMBERS_H
+#ifndef CVERT_FORMAT_PRIM_IDS_H
+#define CVERT_FORMAT_PRIM_IDS_H
 
 #include "../portable/bytes.h"
 

@@ -11,8 +11,8 @@
  *   CVERT_IN(Type)            type of a read-only parameter that is too large to copy
  *   CVERT_PRECISE             before a local float: GLSL neither reorders nor fuses its operations */
 
-#ifndef CVERT_BYTES_H
-#define CVERT_BYTES_H
+#ifndef CVERT_PORTABLE_BYTES_H
+#define CVERT_PORTABLE_BYTES_H
 
 #include "language.h"
 

@@ -4,8 +4,8 @@
 /* Coordinates of vertices in a block: ivec3 in GLSL. Arithmetic is modulo 2^32, because coordinates of damaged blocks
  * may overflow. */
 
-#ifndef CVERT_INT3_H
-#define CVERT_INT3_H
+#ifndef CVERT_PORTABLE_INT3_H
+#define CVERT_PORTABLE_INT3_H
 
 #include "language.h"
 

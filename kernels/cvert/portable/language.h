@@ -21,8 +21,8 @@
  *   CVERT_INLINE                  CVERT_FUNCTION that C++ compilers must inline
  *   CVERT_LIKELY(condition)       hint that a condition is usually true */
 
-#ifndef CVERT_LANGUAGE_H
-#define CVERT_LANGUAGE_H
+#ifndef CVERT_PORTABLE_LANGUAGE_H
+#define CVERT_PORTABLE_LANGUAGE_H
 
 #ifdef VULKAN // glslc defines it
 

@@ -3,8 +3,8 @@
 
 /* Reciprocals of ray directions, for tests against boxes on CPUs and GPUs. */
 
-#ifndef CVERT_RECIPROCAL_H
-#define CVERT_RECIPROCAL_H
+#ifndef CVERT_RULE_RECIPROCAL_H
+#define CVERT_RULE_RECIPROCAL_H
 
 #include "../portable/language.h"
 

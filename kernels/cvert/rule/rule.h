@@ -40,8 +40,8 @@
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
-#ifndef CVERT_VERT_RULE_H
-#define CVERT_VERT_RULE_H
+#ifndef CVERT_RULE_RULE_H
+#define CVERT_RULE_RULE_H
 
 #include "../format/block.h"
 #include "reciprocal.h"

@@ -4,8 +4,8 @@
 /* How a ray crosses a leaf of cLEAF: input of hit_rule.h, and positions of hits. The ray's height above a bilinear
  * patch is a parabola in s. Compiles as C++ and GLSL; crossing1.h and visitorK.h are the SIMD versions. */
 
-#ifndef CBVH_CROSSING_H
-#define CBVH_CROSSING_H
+#ifndef CBVH_PAPER_LEAF_CROSSING_H
+#define CBVH_PAPER_LEAF_CROSSING_H
 
 #include "format.h"
 #include "../local_ray.h"

@@ -23,8 +23,8 @@
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4.1, which stores each corner of each quad in 4 bits. */
 
-#ifndef CBVH_LEAF_H
-#define CBVH_LEAF_H
+#ifndef CBVH_PAPER_LEAF_FORMAT_H
+#define CBVH_PAPER_LEAF_FORMAT_H
 
 #include "../node.h"
 

@@ -50,8 +50,8 @@
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4. */
 
-#ifndef CBVH_HIT_RULE_H
-#define CBVH_HIT_RULE_H
+#ifndef CBVH_PAPER_LEAF_HIT_RULE_H
+#define CBVH_PAPER_LEAF_HIT_RULE_H
 
 #include "../../base/codec_names.h"
 

@@ -1,0 +1,73 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The C API of include/embree3/rtcore_surface.h: objects of cbvh.h for those of Embree, and back. libembree_cbvh, which
+ * is linked from the same objects, does not export it. */
+
+#define RTC_EXPORT_API
+
+#include "surface.h"
+
+#include "cbvh/operations/device.h"
+
+#include <embree3/rtcore_surface.h>
+
+using namespace embree::capi;
+
+namespace {
+
+/* Returns closure(), or NULL after an exception, which it reports to the device, or to the thread if it is NULL. */
+template<typename Closure>
+auto reportingTo(RTCDevice device, const Closure& closure) -> decltype(closure()) {
+  RTCError code;
+  try {
+    return closure();
+  } catch (const Failure& failure) {
+    code = failure.code == CBVH_ERROR_INVALID_OPERATION ? RTC_ERROR_INVALID_OPERATION : RTC_ERROR_INVALID_ARGUMENT;
+    embree::core::raiseError((embree::Device*)device, code, failure.text.c_str());
+  } catch (const std::bad_alloc&) {
+    embree::core::raiseError((embree::Device*)device, RTC_ERROR_OUT_OF_MEMORY, "out of memory");
+  }
+  return nullptr;
+}
+
+} // namespace
+
+RTC_NAMESPACE_BEGIN
+
+RTC_API CbvhContext rtcNewContextFromDevice(RTCDevice device) {
+  return reportingTo(device, [&] {
+    require(device, "device is NULL");
+    return new CbvhContextTy(device);
+  });
+}
+
+RTC_API CbvhSurface rtcNewSurfaceFromGeometry(RTCGeometry geometry) {
+  const RTCDevice device = geometry ? (RTCDevice)embree::core::deviceOf((embree::Geometry*)geometry) : nullptr;
+  return reportingTo(device, [&] {
+    require(geometry, "geometry is NULL");
+    CbvhContextTy* const context = new CbvhContextTy(device);
+    struct ReleaseGuard {
+      CbvhContextTy* context;
+      ~ReleaseGuard() { context->release(); }
+    } guard = {context};
+    return new CbvhSurfaceTy(context, geometry);
+  });
+}
+
+RTC_API RTCGeometry rtcNewGeometryFromSurface(RTCDevice device, CbvhSurface surface) {
+  return reportingTo(device, [&] {
+    require(device, "device is NULL");
+    require(surface, "surface is NULL");
+    require(surface->isOurs(), "the surface is of libembree_cbvh: expected one of libembree3");
+    require(surface->context->device == device,
+            "the surface belongs to another device: expected a context of rtcNewContextFromDevice for this device");
+    const std::shared_ptr<const Input> input = surface->committedInput();
+    if (input->displacement)
+      rtcSetGeometryUserData(input->geometry, nullptr); // the displacement function is not called again
+    rtcRetainGeometry(input->geometry);
+    return input->geometry;
+  });
+}
+
+RTC_NAMESPACE_END
