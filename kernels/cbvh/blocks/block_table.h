@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What building, files and back ends know of a block by its type. Rays, packets and point queries have switches of
+/* Properties of blocks by type, for building, files and back ends. Rays, packets and point queries have switches of
  * their own (traversal/intersector1.cpp, intersectorK.cpp, point_query.cpp), as have triangles (stored_triangles.cpp)
  * and validation (cvert/file/record.h). */
 

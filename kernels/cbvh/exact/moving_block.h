@@ -43,7 +43,7 @@ __forceinline void setAxes(const MeshSegmentEntry& entry, GroupBoxes& boxes) {
   for (int k = 0; k < 3; k++) boxes.shear[k] = 0.0f;
 }
 
-/*! What moving blocks of both formats share. Entry: of a block's segment in a Cache. */
+/*! Common part of moving blocks of both formats. Entry: of a block's segment in a Cache. */
 template<typename Header, typename Decoder, typename Cache, typename Entry>
 class MovingBlock {
 public:
