@@ -266,14 +266,14 @@ TEST(VertTriangles, PacketsMatchSingleRays) {
 TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible) {
   const uint64_t block[2] = {0, 0};
   ASSERT_EQ(mappedBlockValidator.load(), nullptr) << "this program has no files";
-  EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, VERT_BLOCK));
   mappedBytes = ~size_t(0);
-  EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
-  mappedBlockValidator = [](const void*, BlockFormat format) { return format != VERT_FORMAT; };
-  EXPECT_FALSE(isBlockValid(block, VERT_FORMAT));
-  EXPECT_TRUE(isBlockValid(block, MESH_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, VERT_BLOCK));
+  mappedBlockValidator = [](const void*, BlockType type) { return type != VERT_BLOCK; };
+  EXPECT_FALSE(isBlockValid(block, VERT_BLOCK));
+  EXPECT_TRUE(isBlockValid(block, MESH_BLOCK));
   mappedBytes = 0;
-  EXPECT_TRUE(isBlockValid(block, VERT_FORMAT));
+  EXPECT_TRUE(isBlockValid(block, VERT_BLOCK));
   mappedBlockValidator = nullptr;
 }
 
