@@ -19,15 +19,9 @@ namespace {
 /* Returns closure(), or NULL after an exception, which it reports to the device, or to the thread if it is NULL. */
 template<typename Closure>
 auto reportingTo(RTCDevice device, const Closure& closure) -> decltype(closure()) {
-  RTCError code;
   try {
     return closure();
-  } catch (const Failure& failure) {
-    code = failure.code == CBVH_ERROR_INVALID_OPERATION ? RTC_ERROR_INVALID_OPERATION : RTC_ERROR_INVALID_ARGUMENT;
-    embree::core::raiseError((embree::Device*)device, code, failure.text.c_str());
-  } catch (const std::bad_alloc&) {
-    embree::core::raiseError((embree::Device*)device, RTC_ERROR_OUT_OF_MEMORY, "out of memory");
-  }
+  } catch (...) { raise(device, caughtFailure()); }
   return nullptr;
 }
 
@@ -46,12 +40,8 @@ RTC_API CbvhSurface rtcNewSurfaceFromGeometry(RTCGeometry geometry) {
   const RTCDevice device = geometry ? (RTCDevice)embree::core::deviceOf((embree::Geometry*)geometry) : nullptr;
   return reportingTo(device, [&] {
     require(geometry, "geometry is NULL");
-    CbvhContextTy* const context = new CbvhContextTy(device);
-    struct ReleaseGuard {
-      CbvhContextTy* context;
-      ~ReleaseGuard() { context->release(); }
-    } guard = {context};
-    return new CbvhSurfaceTy(context, geometry);
+    const NewPtr<CbvhContextTy> context(new CbvhContextTy(device));
+    return new CbvhSurfaceTy(context.get(), geometry);
   });
 }
 

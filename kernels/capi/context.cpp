@@ -113,8 +113,12 @@ void CbvhContextTy::check() const {
 
 CbvhError CbvhContextTy::report(const Failure& failure) const {
   const ErrorScope none;
-  if (!ownsDevice) embree::core::raiseError(embreeDevice(), codeOf(failure.code), failure.text.c_str());
+  if (!ownsDevice) raise(device, failure);
   return callErrorFunction(failure, function, userPtr);
+}
+
+void embree::capi::raise(RTCDevice device, const Failure& failure) {
+  embree::core::raiseError((embree::Device*)device, codeOf(failure.code), failure.text.c_str());
 }
 
 Failure embree::capi::caughtFailure() {

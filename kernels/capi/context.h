@@ -15,6 +15,7 @@
 
 #include <atomic>
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
 
@@ -85,6 +86,16 @@ private:
   T* object;
 };
 
+struct Releaser {
+  template<typename T>
+  void operator()(T* object) const {
+    object->release();
+  }
+};
+
+/* Owns the first reference to a new RefCounted object. */
+template<typename T> using NewPtr = std::unique_ptr<T, Releaser>;
+
 } // namespace capi
 } // namespace embree
 
@@ -130,6 +141,9 @@ private:
   core::ErrorCollector collector;
   core::ErrorCollector* const outer;
 };
+
+/* Reports an error to a device, or to this thread if it is NULL, as functions of rtcore.h do. */
+void raise(RTCDevice device, const Failure& failure);
 
 /* Stores an error's text for cbvhGetErrorText, and calls an error function, which may be NULL and may cause further
  * errors. Returns failure.code. */

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 
 using namespace embree::capi;
 namespace core = embree::core;
@@ -33,14 +32,9 @@ struct CbvhFileTy {
 namespace {
 
 CbvhSurface loadSurface(const CbvhFileTy& file, size_t index) {
-  struct ReleaseGuard {
-    CbvhSurface surface;
-    ~ReleaseGuard() {
-      if (surface) surface->release();
-    }
-  } guard = {new CbvhSurfaceTy(file.context.get())};
-  guard.surface->load(file.file, index);
-  return std::exchange(guard.surface, nullptr);
+  NewPtr<CbvhSurfaceTy> surface(new CbvhSurfaceTy(file.context.get()));
+  surface->load(file.file, index);
+  return surface.release();
 }
 
 CbvhSurfaceType typeOf(RTCGeometryType type) {

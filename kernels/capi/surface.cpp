@@ -165,11 +165,9 @@ void Input::checkAttribute(unsigned int attribute) const {
                          std::to_string(widths.size()) + " attributes");
 }
 
-CbvhSurfaceTy::CbvhSurfaceTy(CbvhContext context, RTCGeometry geometry)
-  : context(context),
-    isReference(true),
-    current(new Input(geometry)) {
-  rtcRetainGeometry(geometry);
+CbvhSurfaceTy::CbvhSurfaceTy(CbvhContext context, RTCGeometry geometry) : context(context), isReference(true) {
+  rtcRetainGeometry(geometry); // first: an input that cannot be stored releases it
+  current.reset(new Input(geometry));
 }
 
 unsigned int CbvhSurfaceTy::numPrimitives() const {
