@@ -84,7 +84,8 @@ install_packages() {
   }
   apt_as_root update || return
   # shellcheck disable=SC2086
-  available=$(apt-cache policy $missing | awk '/^[^ ]/ { n = $1 } $1 == "Candidate:" && $2 != "(none)" { print n }')
+  available=$(LC_ALL=C apt-cache policy $missing |
+    awk '/^[^ ]/ { n = $1 } $1 == "Candidate:" && $2 != "(none)" { print n }')
   chosen=
   for package in $missing; do
     case "
