@@ -185,7 +185,7 @@ struct Clusters {
   }
 };
 
-TEST(Beside, ClustersMatchOurEmbree) {
+TEST(Capi, ClustersMatchOurEmbree) {
   Context context;
   Device device;
   Displacement displacement;
@@ -240,7 +240,7 @@ TEST(Beside, ClustersMatchOurEmbree) {
                  CBVH_ERROR_INVALID_ARGUMENT, {" 7"});
 }
 
-TEST(Beside, CageHitsMatchOurEmbree) {
+TEST(Capi, CageHitsMatchOurEmbree) {
   Random random(91);
   Device device;
   Context context;
@@ -275,7 +275,7 @@ TEST(Beside, CageHitsMatchOurEmbree) {
 }
 
 // The commit reads vertices of grids and meshes; they are released before rays are traced.
-TEST(Beside, GridAndMeshHitsMatchOurEmbree) {
+TEST(Capi, GridAndMeshHitsMatchOurEmbree) {
   Random random(92);
   Device device;
   Context context;
@@ -320,7 +320,7 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree) {
 }
 
 // No vertex moves. Without cbvhSetSurfaceLossless, surfaces use the default precision again.
-TEST(Beside, LosslessHitsMatchOurEmbree) {
+TEST(Capi, LosslessHitsMatchOurEmbree) {
   Random random(95);
   Device exact("cbvh_max_error=0"), device;
   Context context;
@@ -360,7 +360,7 @@ TEST(Beside, LosslessHitsMatchOurEmbree) {
   EXPECT_TRUE(context.reported.empty());
 }
 
-TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
+TEST(Capi, FilesAreInterchangeableWithOurEmbree) {
   Random random(93);
   Folder folder;
   Context context;
@@ -382,8 +382,8 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
       EXPECT_EQ(group.committed, CBVH_OK);
       ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 500)));
     }
-    ASSERT_EQ(cbvhSaveSurface(surface, (folder / "beside").c_str()), CBVH_OK) << cbvhGetErrorText();
-    EXPECT_EQ(bytesOf(folder / "ours"), bytesOf(folder / "beside"));
+    ASSERT_EQ(cbvhSaveSurface(surface, (folder / "capi").c_str()), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(bytesOf(folder / "ours"), bytesOf(folder / "capi"));
     cbvhReleaseSurface(surface);
   }
   EXPECT_TRUE(context.reported.empty());
@@ -404,7 +404,7 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree) {
 }
 
 // This program contains both libraries, which have functions with the same names.
-TEST(Beside, SurfacesOfOneLibraryAreRejectedByTheOther) {
+TEST(Capi, SurfacesOfOneLibraryAreRejectedByTheOther) {
   Context context;
   Device device;
   const Surface surface(context);
@@ -415,7 +415,7 @@ TEST(Beside, SurfacesOfOneLibraryAreRejectedByTheOther) {
 }
 
 // The same as diceGeometry, whose tests check the rates.
-TEST(Beside, CagesAreDicedByTheView) {
+TEST(Capi, CagesAreDicedByTheView) {
   Random random(94);
   Context context;
   Device device;
@@ -467,7 +467,7 @@ TEST(Beside, CagesAreDicedByTheView) {
 }
 
 // The settings compress cages, and release them, whenever they are committed, which dicing must not do.
-TEST(Beside, CagesAreDicedWhateverTheSettingsSelect) {
+TEST(Capi, CagesAreDicedWhateverTheSettingsSelect) {
   CbvhContext context = nullptr;
   ASSERT_EQ(cbvhNewContext("subdiv_accel=cbvh,cbvh_release_input=1", nullptr, nullptr, &context), CBVH_OK);
   {
@@ -490,7 +490,7 @@ TEST(Beside, CagesAreDicedWhateverTheSettingsSelect) {
   cbvhReleaseContext(context);
 }
 
-TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion) {
+TEST(Capi, MeshesWithoutGridsAreCompressedWithAndWithoutMotion) {
   Random random(93);
   Context context;
   Device device;
@@ -516,7 +516,7 @@ TEST(Beside, MeshesWithoutGridsAreCompressedWithAndWithoutMotion) {
   }
 }
 
-TEST(Beside, InvalidInputIsReportedByName) {
+TEST(Capi, InvalidInputIsReportedByName) {
   Context context;
   const Surface surface(context);
   Displacement displacement;
@@ -629,7 +629,7 @@ TEST(Beside, InvalidInputIsReportedByName) {
   EXPECT_EQ(none2, nullptr);
 }
 
-TEST(Beside, SharpnessOf10AndMoreIsInfinite) {
+TEST(Capi, SharpnessOf10AndMoreIsInfinite) {
   Context context;
   const unsigned edge[2] = {4, 5}, vertex = 7;
   // distances of hits next to the edge and to the vertex
@@ -666,7 +666,7 @@ TEST(Beside, SharpnessOf10AndMoreIsInfinite) {
 }
 
 // The interposer relies on it, see kernels/interposer/input.cpp.
-TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10) {
+TEST(Capi, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10) {
   const Device device;
   const auto surface = [&](float sharpness) {
     Cage cage = cubeCage();
@@ -688,7 +688,7 @@ TEST(Beside, EmbreeRoundsCornersOfLargeFiniteSharpnessLikeThoseJustBelow10) {
   EXPECT_NE(surface(INFINITY), rounded);
 }
 
-TEST(Beside, NonFiniteDisplacementIsReported) {
+TEST(Capi, NonFiniteDisplacementIsReported) {
   Random random(94);
   Device device;
   Context context;
@@ -707,7 +707,7 @@ TEST(Beside, NonFiniteDisplacementIsReported) {
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 2000)));
 }
 
-TEST(Beside, CommitsReportProgressAndCanBeCanceled) {
+TEST(Capi, CommitsReportProgressAndCanBeCanceled) {
   Random random(95);
   Device device;
   Context context;
@@ -734,7 +734,7 @@ TEST(Beside, CommitsReportProgressAndCanBeCanceled) {
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 1000)));
 }
 
-TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased) {
+TEST(Capi, AttributesAreInterpolatedAfterTheCageIsReleased) {
   Device device;
   Context context;
   Displacement displacement;
@@ -775,7 +775,7 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased) {
 }
 
 // Limits of the faces at a vertex, of the cage or of an attribute's topology.
-TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors) {
+TEST(Capi, AttributesAtVerticesWithTooManyFacesAreErrors) {
   Context context;
   Displacement displacement;
   const Cage poles = trapezohedronCage(1025), sheet = sheetCage(46);
@@ -815,7 +815,7 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors) {
   }
 }
 
-TEST(Beside, ControlVerticesThatAreNotFiniteAreNamed) {
+TEST(Capi, ControlVerticesThatAreNotFiniteAreNamed) {
   Context context;
   Displacement displacement;
   Cage cage = sheetCage(8);
@@ -839,7 +839,7 @@ TEST(Beside, ControlVerticesThatAreNotFiniteAreNamed) {
 }
 
 // A missing sample of a terrain is no error.
-TEST(Beside, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed) {
+TEST(Capi, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed) {
   Context context;
   const Surface surface(context);
   std::vector<Vec> vertices;
@@ -862,7 +862,7 @@ TEST(Beside, VerticesOfGridsThatAreNotFiniteAreCountedAndNamed) {
   EXPECT_EQ(statistics.firstInvalidPrimitive, 1u);
 }
 
-TEST(Beside, MeshesAreStoredFromOneTriangleOn) {
+TEST(Capi, MeshesAreStoredFromOneTriangleOn) {
   Context context;
   const float vertices[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
   const float* const steps[] = {vertices[0]};
@@ -891,7 +891,7 @@ TEST(Beside, MeshesAreStoredFromOneTriangleOn) {
   }
 }
 
-TEST(Beside, RaysIntoGroupsThatWereNeverCommitted) {
+TEST(Capi, RaysIntoGroupsThatWereNeverCommitted) {
   Context context;
   const Surface surface(context);
   Displacement displacement;
@@ -923,7 +923,7 @@ TEST(Beside, RaysIntoGroupsThatWereNeverCommitted) {
 }
 
 // They have no effect, as in OpenSubdiv.
-TEST(Beside, CreasesBetweenVerticesThatShareNoEdgeAreNamed) {
+TEST(Capi, CreasesBetweenVerticesThatShareNoEdgeAreNamed) {
   Context context;
   const Surface surface(context);
   Cage cage = cubeCage();
@@ -939,7 +939,7 @@ TEST(Beside, CreasesBetweenVerticesThatShareNoEdgeAreNamed) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
 }
 
-TEST(Beside, TrianglesAreReported) {
+TEST(Capi, TrianglesAreReported) {
   Random random(96);
   Context context;
   Displacement displacement;
@@ -982,7 +982,7 @@ TEST(Beside, TrianglesAreReported) {
 }
 
 // Groups use surfaces as of their last commit.
-TEST(Beside, ReferencedObjectsStayAlive) {
+TEST(Capi, ReferencedObjectsStayAlive) {
   CbvhContext context = nullptr;
   ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK);
   Displacement displacement;
@@ -1021,7 +1021,7 @@ TEST(Beside, ReferencedObjectsStayAlive) {
 }
 
 // A surface may be set and committed while a thread traces a group that contains it: rays hit the group's last commit.
-TEST(Beside, GroupsAreTracedWhileTheirSurfacesAreCommitted) {
+TEST(Capi, GroupsAreTracedWhileTheirSurfacesAreCommitted) {
   const Context context;
   const Surface surface(context);
   const CbvhCage centered = cube();

@@ -14,7 +14,7 @@ here=$(cd -- "$(dirname -- "$0")" && pwd)
 install_in_root g++ libembree-dev valgrind
 trap 'umount "$root/proc" 2>/dev/null || true' EXIT
 mount --bind /proc "$root/proc" # for valgrind
-work=$root/root/beside
+work=$root/root/capi
 rm -rf "$work"
 mkdir -p "$work/include"
 cp -rL "$build/include/cbvh" "$work/include/"
@@ -22,9 +22,9 @@ cp "$build"/kernels/capi/libembree_cbvh.so.0 "$here"/*.cpp "$here"/*.h "$here"/.
   "$here"/../../tutorials/capi/*.h "$work/"
 rm "$work/api.cpp" # requires our libembree3
 compile="g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude"
-inside() { chroot "$root" sh -c "cd /root/beside && $*"; }
+inside() { chroot "$root" sh -c "cd /root/capi && $*"; }
 for program in hits displaced_cage diced_grids speed; do
-  inside "$compile $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/beside" ||
+  inside "$compile $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/capi" ||
     fail "$program does not compile"
   inside "./$program" || fail "$program fails on Debian 13"
 done

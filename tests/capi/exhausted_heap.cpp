@@ -16,7 +16,7 @@
 
 namespace programs::test { namespace {
 
-TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit) {
+TEST(CapiExhaustedHeap, GroupKeepsItsLastCommit) {
   std::vector<float> vertices(std::begin(cubeVertices), std::end(cubeVertices));
   const float* const steps[] = {vertices.data()};
   CbvhCage cage = cube();
@@ -55,7 +55,7 @@ TEST(BesideExhaustedHeap, GroupKeepsItsLastCommit) {
   cbvhReleaseContext(context);
 }
 
-TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives) {
+TEST(CapiExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives) {
   const CbvhCage cage = cube();
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr;
@@ -84,7 +84,7 @@ TEST(BesideExhaustedHeap, GroupWithoutACommitNumbersNoPrimitives) {
   cbvhReleaseContext(context);
 }
 
-TEST(BesideExhaustedHeap, ContextsReturnTheReason) {
+TEST(CapiExhaustedHeap, ContextsReturnTheReason) {
   CbvhError error = CBVH_ERROR_UNKNOWN;
   refusesOnce = true;
   for (unsigned n = 0; error != CBVH_OK; n++) { // refuses one allocation after the first n
@@ -107,7 +107,7 @@ TEST(BesideExhaustedHeap, ContextsReturnTheReason) {
 }
 
 // Memory also runs out while the error is reported.
-TEST(BesideExhaustedHeap, ErrorsAreReturned) {
+TEST(CapiExhaustedHeap, ErrorsAreReturned) {
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr;
   ASSERT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK) << cbvhGetErrorText();

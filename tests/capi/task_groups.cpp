@@ -79,12 +79,12 @@ int workInTemporaryGroups(unsigned timeSteps) {
   return worked ? 0 : 1;
 }
 
-TEST(BesideTaskGroups, GroupsOutliveTheTaskGroupThatCommitsThem) {
+TEST(CapiTaskGroups, GroupsOutliveTheTaskGroupThatCommitsThem) {
   for (unsigned timeSteps : {1u, 2u})
     EXPECT_EQ(statusOfChild([&] { return workInTemporaryGroups(timeSteps); }), 0) << timeSteps << " time step(s)";
 }
 
-TEST(BesideTaskGroups, FunctionsInACanceledTaskGroupComplete) {
+TEST(CapiTaskGroups, FunctionsInACanceledTaskGroupComplete) {
   for (unsigned timeSteps : {1u, 2u}) {
     Work work;
     tbb::task_group group;
