@@ -10,8 +10,8 @@
 
 namespace cvert {
 /*! The numbers are those of leaves in memory (embree::cbvh, base/leaf_type.h), and of children in files
- *  (file/format.h), where 1 is added for moving blocks. Numbers of leaves in memory have 3 bits: 4, 6 and 7 are free.
- *  In files, 7 to 14 are free. Headers store whether a block moves. */
+ *  (file/format.h), where 1 is added for moving blocks. Only 7 is free, because numbers of leaves in memory have 3
+ *  bits. Headers store whether a block moves. */
 enum BlockType : uint32_t {
   FRAMED_BLOCK = 2, //!< block with a frame, of the paper's kinds. Its header stores the kind. Never moves
   VERT_BLOCK = 3,   //!< format/block.h, with format/motion.h if it moves
