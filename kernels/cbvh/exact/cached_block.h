@@ -13,6 +13,8 @@
 namespace embree::isa::cbvh {
 class CachedVertBlock {
 public:
+  static const bool isMesh = false; //!< see hits1.h
+
   /*! ray: a VertRay or VertRays, after set(). */
   template<typename RayOrRays>
   __forceinline CachedVertBlock(const RayOrRays& ray, const VertHeader* block)

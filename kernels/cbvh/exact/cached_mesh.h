@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* CachedVertBlock for mesh blocks, with the functions that intersector1.h and hits1.h require. Code shared with cVERT
- * blocks accesses a mesh block as a VertHeader: `surface` and `primID` have the same offsets in a MeshHeader, and
- * `region`, which only orders hits at the same distance, is `bytes` there. */
+/* CachedVertBlock for mesh blocks. Code shared with cVERT blocks accesses a mesh block as a VertHeader: `surface` and
+ * `primID` have the same offsets in a MeshHeader, and `region`, which only orders hits at the same distance, is `bytes`
+ * there. */
 
 #include "../base/block_validity.h"
 #include "hits1.h"
@@ -29,6 +29,8 @@ __forceinline SurfacePoint pointOfMesh(uint32_t info, uint32_t number, float w1,
 
 class CachedMeshBlock {
 public:
+  static const bool isMesh = true; //!< see hits1.h
+
   template<typename RayOrRays>
   __forceinline CachedMeshBlock(const RayOrRays&, const VertHeader* block)
     : cache(MeshCache::ofThread()),
@@ -84,45 +86,4 @@ private:
   MeshBlockEntry& entry;
   MeshTriangles* const halves;
 };
-
-/*! Triangle of group g. index: 0 to 31. Cached: CachedMeshBlock or MovingMeshBlock. */
-template<typename Cached>
-__forceinline VertTriangle triangleOfMesh(const Cached& cached, uint32_t g, uint32_t index) {
-  return VertTriangle(cached.triangles(g, index >> 4), index & 15);
-}
-
-/*! GroupTriangles (triangles.h) of a mesh block's group. */
-class MeshGroupTriangles {
-public:
-  uint32_t mask; //!< of triangles that the ray's line may pass through, see sides()
-
-  /*! Cached: CachedMeshBlock or MovingMeshBlock. */
-  template<typename Cached>
-  __forceinline MeshGroupTriangles(const VertRay& ray, const Cached& cached, uint32_t g) {
-    const MeshTriangles& first = cached.triangles(g, 0);
-    const bool hasNextHalf = first.hasNextHalf;
-    mask = trianglesHitByLine(ray, first, halves[0]);
-    if (unlikely(hasNextHalf)) mask |= trianglesHitByLine(ray, cached.triangles(g, 1), halves[1]) << 16;
-  }
-
-  /*! Sides of a triangle. index: of the triangle in the group and of its bit in the mask. */
-  __forceinline TriangleSides<float> sides(uint32_t index) const { return halves[index >> 4].at(index & 15u); }
-
-private:
-  SidesInLanes halves[2];
-};
-
-__forceinline VertTriangle triangleOf(const CachedMeshBlock& cached, uint32_t g, uint32_t index) {
-  return triangleOfMesh(cached, g, index);
-}
-
-__forceinline MeshGroupTriangles groupTrianglesHitByLine(const VertRay& ray, const CachedMeshBlock& cached,
-                                                         uint32_t g) {
-  return MeshGroupTriangles(ray, cached, g);
-}
-
-__forceinline SurfacePoint pointOfHit(const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t index,
-                                      const VertTriangle::Sides& sides) {
-  return cached.point(g, index, clampParameter(sides.w1 / sides.sum), clampParameter(sides.w2 / sides.sum));
-}
 } // namespace embree::isa::cbvh

@@ -10,23 +10,27 @@
 #include "../base/report_hit.h"
 
 namespace embree::isa::cbvh {
-/* Access to a group of a cVERT block; cached_mesh.h and moving_block.h have overloads for mesh blocks. Cached: as
- * in VertIntersector1. g: lane of the group. index: of the triangle in the group, see VertTables::triangles. */
+/* Access to a group of a block. Cached: as in VertIntersector1; isMesh is true for mesh blocks. g: lane of the group.
+ * index: of the triangle in the group, below 32; of cVERT blocks, see VertTables::triangles. */
 
 template<typename Cached>
-__forceinline SurfacePoint pointOfHit(const Cached&, const VertHeader* block, uint32_t g, uint32_t index,
+__forceinline SurfacePoint pointOfHit(const Cached& cached, const VertHeader* block, uint32_t g, uint32_t index,
                                       const VertTriangle::Sides& sides) {
-  return surfacePoint(block, g, index, positionInQuad(sides, bool(index & 1)));
+  if constexpr (Cached::isMesh)
+    return cached.point(g, index, clampParameter(sides.w1 / sides.sum), clampParameter(sides.w2 / sides.sum));
+  else return surfacePoint(block, g, index, positionInQuad(sides, bool(index & 1)));
 }
 
 template<typename Cached>
 __forceinline VertTriangle triangleOf(const Cached& cached, uint32_t g, uint32_t index) {
-  return VertTriangle(cached.vertices(g), index);
+  if constexpr (Cached::isMesh) return VertTriangle(cached.triangles(g, index >> 4), index & 15);
+  else return VertTriangle(cached.vertices(g), index);
 }
 
 template<typename Cached>
-__forceinline GroupTriangles groupTrianglesHitByLine(const VertRay& ray, const Cached& cached, uint32_t g) {
-  return GroupTriangles(ray, cached.vertices(g));
+__forceinline auto groupTrianglesHitByLine(const VertRay& ray, const Cached& cached, uint32_t g) {
+  if constexpr (Cached::isMesh) return MeshGroupTriangles(ray, cached, g);
+  else return GroupTriangles(ray, cached.vertices(g));
 }
 
 /*! GroupTriangles of one ray of a packet, without sides. */

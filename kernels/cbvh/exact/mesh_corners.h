@@ -119,4 +119,25 @@ __forceinline uint32_t trianglesHitByLine(const VertRay& ray, const MeshTriangle
   if (likely(triangles.numVertices <= 24)) return trianglesOfMeshHitByLine<24>(ray, triangles, sides);
   return trianglesOfMeshHitByLine<32>(ray, triangles, sides);
 }
+
+/*! GroupTriangles (triangles.h) of a group of a mesh block. */
+class MeshGroupTriangles {
+public:
+  uint32_t mask; //!< of triangles that the ray's line may pass through, see sides()
+
+  /*! Cached: CachedMeshBlock or MovingMeshBlock. */
+  template<typename Cached>
+  __forceinline MeshGroupTriangles(const VertRay& ray, const Cached& cached, uint32_t g) {
+    const MeshTriangles& first = cached.triangles(g, 0);
+    const bool hasNextHalf = first.hasNextHalf;
+    mask = trianglesHitByLine(ray, first, halves[0]);
+    if (unlikely(hasNextHalf)) mask |= trianglesHitByLine(ray, cached.triangles(g, 1), halves[1]) << 16;
+  }
+
+  /*! Sides of a triangle. index: of the triangle in the group and of its bit in the mask. */
+  __forceinline TriangleSides<float> sides(uint32_t index) const { return halves[index >> 4].at(index & 15u); }
+
+private:
+  SidesInLanes halves[2];
+};
 } // namespace embree::isa::cbvh

@@ -106,6 +106,8 @@ private:
 
 class MovingVertBlock : public MovingBlock<VertHeader, MotionDecoder, MotionCache, VertSegmentEntry> {
 public:
+  static const bool isMesh = false; //!< see hits1.h
+
   __forceinline MovingVertBlock(const VertRay&, const VertHeader* block, const TimeInMotion& at)
     : MovingVertBlock(block, at) {}
 
@@ -150,6 +152,8 @@ private:
 
 class MovingMeshBlock : public MovingBlock<MeshHeader, MeshMotionDecoder, MeshMotionCache, MeshSegmentEntry> {
 public:
+  static const bool isMesh = true; //!< see hits1.h
+
   /*! block: a MeshHeader, see cached_mesh.h. */
   __forceinline MovingMeshBlock(const VertRay&, const VertHeader* block, const TimeInMotion& at)
     : MovingBlock((const MeshHeader*)block, at) {
@@ -194,18 +198,4 @@ private:
 
   mutable MeshTriangles trianglesAtTime; //!< the key is 16 half + group, or ~0
 };
-
-__forceinline VertTriangle triangleOf(const MovingMeshBlock& cached, uint32_t g, uint32_t index) {
-  return triangleOfMesh(cached, g, index);
-}
-
-__forceinline MeshGroupTriangles groupTrianglesHitByLine(const VertRay& ray, const MovingMeshBlock& cached,
-                                                         uint32_t g) {
-  return MeshGroupTriangles(ray, cached, g);
-}
-
-__forceinline SurfacePoint pointOfHit(const MovingMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t index,
-                                      const VertTriangle::Sides& sides) {
-  return cached.point(g, index, clampParameter(sides.w1 / sides.sum), clampParameter(sides.w2 / sides.sum));
-}
 } // namespace embree::isa::cbvh
