@@ -91,7 +91,7 @@
 #include "plan.h"
 #include "shared_border.h"
 #include <functional>
-#include <type_traits>
+#include <utility>
 
 namespace embree::isa {
 /*! Quads per side from which a mesh's grid is regular. Statistics count quads of narrower grids as irregular,
@@ -107,76 +107,34 @@ struct SurfacePatch {
   const cbvh::QuadNumbers* numbers = nullptr; //!< primitive numbers of the quads; null if all have primID
 };
 
-/*! Types of the expressions that builder and writers apply to a source S. */
-namespace source_members {
-template<template<typename> class Member, typename S, typename = void> struct Has : std::false_type {};
-template<template<typename> class Member, typename S>
-struct Has<Member, S, std::void_t<Member<S>>> : std::true_type {};
-
-struct PatchClosure {
-  template<typename Patch> void operator()(Patch&) const;
-};
-typedef std::function<void(double)> Progress;
-template<typename T> T& a(); // never called
-template<typename S> const typename S::Patch& aPatch();
-template<typename S> typename S::Patch& aMutablePatch();
-
-template<typename S> using Scratch = decltype(typename S::Scratch(std::declval<Device*>()));
-template<typename S> using Patch = decltype(static_cast<const SurfacePatch&>(a<typename S::Patch>()));
-template<typename S> using PatchOfTask = decltype(typename S::Patch(aPatch<S>(), a<typename S::Scratch>()));
-template<typename S> using Evaluated = decltype(aMutablePatch<S>().evaluate(1u, 1u, PatchPart(), 0u));
-template<typename S> using Evaluate = decltype(static_cast<PatchVertices&>(a<Evaluated<S>>()));
-template<typename S> using Side = decltype(unsigned(aPatch<S>().side(0, 0u).rate));
-template<typename S> using SideVertex = decltype(SharedVertex(aPatch<S>().side(0, 0u)[0u]));
-template<typename S> using Lattice = decltype(int(aPatch<S>().latticeExponent(0u)));
-template<typename S> using IsDeterministic = std::integral_constant<bool, S::isDeterministic>;
-template<typename S> using Size = decltype(size_t(a<const S>().size()));
-template<typename S> using EstimateBlocks = decltype(size_t(a<const S>().estimateBlocks()));
-template<typename S> using PerTask = decltype(size_t(a<const S>().perTask(true)));
-template<typename S> using Prepare = decltype(a<S>().prepare(size_t(1), a<const Progress>()));
-template<typename S> using Release = decltype(a<S>().release());
-template<typename S> using ForEachPatch =
-    decltype(a<const S>().forEachPatch(size_t(0), a<typename S::Scratch>(), PatchClosure()));
-template<typename S> using IsInvalid = decltype(bool(a<const S>().isInvalid(size_t(0), true)));
-template<typename S> using QuadsWithoutSurface = decltype(size_t(a<const S>().quadsWithoutSurface(size_t(0))));
-template<typename S> using InvalidVertex = decltype(cbvh::InvalidVertex(a<const S>().invalidVertex(size_t(0))));
-template<typename S> using IsUnsupported = decltype(bool(a<const S>().isUnsupported(size_t(0))));
-template<typename S> using BytesInEmbree = decltype(size_t(a<const S>().bytesInEmbree(a<const SurfacePatch>())));
-template<typename S> using Writer =
-    decltype(typename S::Writer(a<const S>(), a<BlockStore>(), a<cbvh::BuildStatistics>()));
-template<typename S> using Write = decltype(bool(a<typename S::Writer>().write(size_t(0), aMutablePatch<S>())));
-} // namespace source_members
-
-/*! True if S is a source. Otherwise a compiler message names each missing member. Does not check the constructor
- *  from (Mesh*, const CompressionPlan&), because Mesh is unknown. */
+/*! True if S is a source. Otherwise the compiler reports the line of isSource() whose member is missing. Does not check
+ *  the constructor from (Mesh*, const CompressionPlan&), because Mesh is unknown. */
 template<typename S>
 constexpr bool isSource() {
-  using namespace source_members;
-  static_assert(Has<Scratch, S>(), "a source needs a type Scratch with Scratch(Device*)");
-  static_assert(Has<Patch, S>(), "a source needs a type Patch derived from SurfacePatch");
-  static_assert(Has<PatchOfTask, S>(), "a source needs Patch(const Patch& other, Scratch& scratch)");
-  static_assert(Has<Evaluate, S>(), "a source needs PatchVertices& Patch::evaluate(unsigned quadsX, unsigned quadsY, "
-                                    "const PatchPart& part, unsigned step)");
-  static_assert(Has<Side, S>(), "a source needs Patch::side(int s, unsigned step) const, whose result has a rate");
-  static_assert(Has<SideVertex, S>(), "a source needs Patch::side(int s, unsigned step) const, whose result has "
-                                      "SharedVertex operator[](unsigned k) const");
-  static_assert(Has<Lattice, S>(), "a source needs int Patch::latticeExponent(unsigned step) const");
-  static_assert(Has<IsDeterministic, S>(), "a source needs static const bool isDeterministic");
-  static_assert(Has<Size, S>(), "a source needs size_t size() const");
-  static_assert(Has<EstimateBlocks, S>(), "a source needs size_t estimateBlocks() const");
-  static_assert(Has<PerTask, S>(), "a source needs size_t perTask(bool isSmall) const");
-  static_assert(Has<Prepare, S>(), "a source needs void prepare(size_t perTask, const Progress& progress)");
-  static_assert(Has<Release, S>(), "a source needs void release()");
-  static_assert(Has<ForEachPatch, S>(), "a source needs void forEachPatch(size_t primitive, Scratch& scratch, "
-                                        "const Closure& closure) const");
-  static_assert(Has<IsInvalid, S>(), "a source needs bool isInvalid(size_t primitive, bool hasInvalidQuads) const");
-  static_assert(Has<QuadsWithoutSurface, S>(), "a source needs size_t quadsWithoutSurface(size_t primitive) const");
-  static_assert(Has<InvalidVertex, S>(), "a source needs cbvh::InvalidVertex invalidVertex(size_t primitive) const");
-  static_assert(Has<IsUnsupported, S>(), "a source needs bool isUnsupported(size_t primitive) const");
-  static_assert(Has<BytesInEmbree, S>(), "a source needs size_t bytesInEmbree(const SurfacePatch& patch) const");
-  static_assert(Has<Writer, S>(), "a source needs a type Writer with Writer(const Source&, BlockStore&, "
-                                  "cbvh::BuildStatistics&)");
-  static_assert(Has<Write, S>(), "a source needs bool Writer::write(size_t primitive, Patch& patch)");
+  using Patch = typename S::Patch;
+  // uses all members as builder and writers do; never called
+  [[maybe_unused]] const auto use = [](S& source, Device* device, Patch& patch, BlockStore& store,
+                                       cbvh::BuildStatistics& statistics, const std::function<void(double)>& progress) {
+    typename S::Scratch scratch(device);
+    const Patch copy(std::as_const(patch), scratch);
+    const SurfacePatch& surfacePatch = copy;
+    PatchVertices& vertices = patch.evaluate(1u, 1u, PatchPart(), 0u);
+    const unsigned rate = copy.side(0, 0u).rate;
+    const SharedVertex vertex = copy.side(0, 0u)[0u];
+    const int lattice = copy.latticeExponent(0u);
+
+    const S& prepared = source;
+    source.prepare(size_t(1), progress);
+    prepared.forEachPatch(size_t(0), scratch, [](Patch&) {});
+    source.release();
+    const size_t counts[] = {prepared.size(), prepared.estimateBlocks(), prepared.perTask(true),
+                             prepared.quadsWithoutSurface(size_t(0)), prepared.bytesInEmbree(surfacePatch)};
+    const cbvh::InvalidVertex invalid = prepared.invalidVertex(size_t(0));
+    typename S::Writer writer(prepared, store, statistics);
+    const bool flags[] = {S::isDeterministic, prepared.isInvalid(size_t(0), true), prepared.isUnsupported(size_t(0)),
+                          writer.write(size_t(0), patch)};
+    (void)vertices, (void)rate, (void)vertex, (void)lattice, (void)counts, (void)invalid, (void)flags;
+  };
   return true;
 }
 } // namespace embree::isa
