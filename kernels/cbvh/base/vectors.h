@@ -53,6 +53,13 @@ typedef vboolf<vectorWidth> vboolV;
  *  programs may trap. */
 __forceinline vfloat4 withoutFourth(const vfloat4& v) { return shuffle<0, 1, 2, 0>(v); }
 
+/*! x, y, z and z of an origin or direction at the beginning of a query, by loads of 4 bytes: the application has often
+ *  just stored floats, and a load of 16 bytes would wait until they have reached the cache. */
+__forceinline vfloat4 loadOfRay(const float* v) {
+  const __m128 xy = _mm_unpacklo_ps(_mm_load_ss(v), _mm_load_ss(v + 1)), z = _mm_load_ss(v + 2);
+  return _mm_shuffle_ps(xy, z, _MM_SHUFFLE(0, 0, 1, 0));
+}
+
 /*! cvert's directionReciprocal of three components. The fourth lane must contain one of them, see withoutFourth.
  *  If all magnitudes are 1e-9 to 1e9, clamping would change a component by at most an ulp, so it is skipped. */
 __forceinline vfloat4 directionReciprocals(const vfloat4& d) {

@@ -21,9 +21,9 @@
 namespace embree::isa::cbvh {
 /*! True if origin and direction are finite, and tnear <= tfar. Other rays hit nothing. */
 __forceinline bool isValidRay(const Ray& ray) {
-  const Vec3fa bound(pos_inf);
+  const vfloat4 bound(pos_inf);
   const bool isRange = ray.tnear() <= ray.tfar;
-  return all(lt_mask(abs(Vec3fa(ray.org)), bound) & lt_mask(abs(Vec3fa(ray.dir)), bound)) & isRange;
+  return all((abs(loadOfRay(&ray.org.x)) < bound) & (abs(loadOfRay(&ray.dir.x)) < bound)) & isRange;
 }
 
 template<int K>
@@ -47,8 +47,9 @@ static constexpr float farFactor = 1.0f + 3.0f * std::numeric_limits<float>::eps
 struct PlaneFactors {
   const vfloat4 rdir, near, far;
 
-  __forceinline explicit PlaneFactors(const Vec3fa& dir)
-    : rdir(directionReciprocals(withoutFourth(dir.m128))),
+  /*! dir: the fourth lane as in directionReciprocals. */
+  __forceinline explicit PlaneFactors(const vfloat4& dir)
+    : rdir(directionReciprocals(dir)),
       near(vfloat4(nearFactor) * rdir),
       far(vfloat4(farFactor) * rdir) {}
 };
@@ -56,9 +57,9 @@ struct PlaneFactors {
 /*! Returns false if the ray misses a box and, with the rounding of traversal, all boxes inside of it. Requires
  *  isValidRay(). */
 __forceinline bool mayIntersect(const Ray& ray, const BBox3fa& box) {
-  const PlaneFactors factors{Vec3fa(ray.dir)};
+  const PlaneFactors factors(loadOfRay(&ray.dir.x));
   const vbool4 isNegative = factors.rdir < vfloat4(zero);
-  const vfloat4 org(ray.org.m128), lower(box.lower.m128), upper(box.upper.m128);
+  const vfloat4 org = loadOfRay(&ray.org.x), lower(box.lower.m128), upper(box.upper.m128);
   const Vec3fa entryT((select(isNegative, upper, lower) - org) * factors.near),
       exitT((select(isNegative, lower, upper) - org) * factors.far);
   return max(reduce_max(entryT), max(ray.tnear(), 0.0f)) <= min(reduce_min(exitT), max(ray.tfar, 0.0f));
@@ -80,13 +81,13 @@ __forceinline vbool<K> mayIntersect(const RayK<K>& rays, const BBox3fa& box) {
 /*! Embree's ray of robust traversal, with other reciprocals. nearX to farZ: byte offsets of a node's planes. */
 struct TopLevelRay : public TravRay<4, true> {
   __forceinline explicit TopLevelRay(const Ray& ray) {
-    const Vec3fa o = ray.org, d = ray.dir;
+    const vfloat4 o = loadOfRay(&ray.org.x), d = loadOfRay(&ray.dir.x);
     const PlaneFactors factors(d);
     const vfloat4 near = factors.near, far = factors.far;
-    org_xyz = o;
-    dir_xyz = d;
-    org = Vec3vf<4>(o.x, o.y, o.z);
-    dir = Vec3vf<4>(d.x, d.y, d.z);
+    org_xyz = Vec3fa(o);
+    dir_xyz = Vec3fa(d);
+    org = Vec3vf<4>(shuffle<0>(o), shuffle<1>(o), shuffle<2>(o));
+    dir = Vec3vf<4>(shuffle<0>(d), shuffle<1>(d), shuffle<2>(d));
     rdir_near = Vec3vf<4>(shuffle<0>(near), shuffle<1>(near), shuffle<2>(near));
     rdir_far = Vec3vf<4>(shuffle<0>(far), shuffle<1>(far), shuffle<2>(far));
     const size_t negativeAxes = size_t(movemask(factors.rdir < vfloat4(zero)));
