@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Decodes all vertices of a cVERT block: the reference for the kernels' SIMD decoders. */
+/* Decodes all vertices of a cVERT block or tile: the reference for the kernels' SIMD decoders. */
 
+#include "../format/tile.h"
 #include "cell_vertices.h"
 #include "group_planes.h"
 
@@ -25,7 +26,8 @@ public:
       block(block),
       layout(vertLayout(block->region, block->info)),
       view(viewOfStep(block, layout, step)) {
-    if (isRaw(view.info))
+    if (isTile(view.info)) decodeTile();
+    else if (isRaw(view.info))
       std::memcpy(vertices, view.data + view.vertices, sizeof(vertices[0]) * (quadsX + 1) * (quadsY + 1));
     else decode();
   }
@@ -49,10 +51,10 @@ public:
     return lower[0] <= upper[0];
   }
 
-  /*! Box of group g at the step, see BoxPlanes. Later steps that are raw have none; steps that are not raw have
-   *  none in a segment whose other end is raw. info, margins: of the step at which the segment begins; the decoded
-   *  step may be at either end. margins: see VertLayout. Without info and margins, the box is of the first segment,
-   *  so the step must be 0 or 1. */
+  /*! Box of group g at the step, see BoxPlanes. Tiles have none. Later steps that are raw have none; steps that are not
+   * raw have none in a segment whose other end is raw. info, margins: of the step at which the segment begins; the
+   * decoded step may be at either end. margins: see VertLayout. Without info and margins, the box is of the first
+   * segment, so the step must be 0 or 1. */
   void groupBox(uint32_t g, float lower[3], float upper[3]) const {
     groupBox(g, block->info, (const uint8_t*)block + layout.margins, lower, upper);
   }
@@ -77,6 +79,12 @@ private:
     bool isRotated;
     uint32_t word, fields; //!< see CodedCell
   };
+
+  void decodeTile() {
+    for (uint32_t y = 0; y <= quadsY; y++)
+      for (uint32_t x = 0; x <= quadsX; x++)
+        for (int k = 0; k < 3; k++) vertices[y * (quadsX + 1) + x][k] = tileVertex(block, x, y, k);
+  }
 
   void decode() {
     const StepView first = viewOfFirstStep(block, layout);

@@ -446,10 +446,23 @@ inline VertSpacing vertSpacing(uint32_t word, const uint32_t corners[6]) {
   return vertSpacing(word, corners[0], corners[1], corners[2], corners[3]);
 }
 
+/*! End of VertTrianglePairs and the table of numbers, in bytes from the start of the block, or `otherwise` if the block
+ *  has neither. */
+inline uint32_t endOfNumbers(const VertHeader* block, uint32_t otherwise) {
+  const uint32_t numbering = block->patchQuads;
+  if (!hasPrimIDs(block->info)) return otherwise;
+  if (haveTable(numbering)) {
+    const VertPrimIDs numbers = numbersOf(block);
+    const uint32_t entries = vertQuadsX(block->region) * vertQuadsY(block->region) * entriesPerQuad(numbering);
+    return numbers.x + bytesOfNumberTable(entries, numbers.y);
+  }
+  return haveTrianglePairs(numbering) ? storedNumbersOf(block).x + uint32_t(sizeof(VertTrianglePairs)) : otherwise;
+}
+
 /*! Size of the first step in bytes, without VertTrianglePairs, table of numbers, and padding. */
 inline uint32_t vertFirstStepSize(const VertHeader* block) {
   const VertLayout layout = vertLayout(block->region, block->info);
-  if (isRaw(block->info)) return layout.rawBytes;
+  if (isRaw(block->info)) return layout.rawBytes; // of a tile, see tileBytes
   if (hasRemainders(block->info)) {
     const uint32_t remainders = wordAt(block, layout.remainders / 4);
     return remainderOffset(remainders) + bytesOfRemainders(remainders, block->region);

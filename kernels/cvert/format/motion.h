@@ -156,14 +156,8 @@ inline uint32_t vertStepSize(const VertStep* step, uint32_t region) {
 
 /*! Size of a valid block in bytes, with all steps and the table of numbers, without padding. */
 inline uint32_t vertBytes(const VertHeader* block) {
-  const uint32_t numbering = block->patchQuads;
-  if (hasPrimIDs(block->info) && haveTable(numbering)) {
-    const VertPrimIDs numbers = numbersOf(block);
-    const uint32_t entries = vertQuadsX(block->region) * vertQuadsY(block->region) * entriesPerQuad(numbering);
-    return numbers.x + bytesOfNumberTable(entries, numbers.y);
-  }
-  if (hasPrimIDs(block->info) && haveTrianglePairs(numbering))
-    return storedNumbersOf(block).x + uint32_t(sizeof(VertTrianglePairs));
+  if (hasPrimIDs(block->info) && (haveTable(block->patchQuads) || haveTrianglePairs(block->patchQuads)))
+    return endOfNumbers(block, 0);
   if (!isMoving(block->info)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block, motionOf(block).numSteps - 1);
   return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last, block->region);

@@ -1,0 +1,210 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Tiles have the vertices, edges and primitive numbers of their blocks, and boxes that contain their leaves. The page
+ * tile.md describes them. */
+
+#include "kernels/cvert/decoder/decoded_block.h"
+#include "kernels/cvert/encoder/tile_conversion.h"
+#include "kernels/cvert/format/block_type.h"
+#include "codec/format_pages.h"
+#include "support/random.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace programs::test { namespace {
+
+using namespace cvert;
+
+constexpr uint32_t seed = 83;
+
+/* Memory for a tile or block. The encoder must not write after it. */
+template<size_t size> struct Bytes {
+  alignas(16) uint8_t bytes[size + vertReadPadding];
+  size_t used = 0;
+  const VertHeader* header() const { return (const VertHeader*)bytes; }
+};
+typedef Bytes<maxTileBytesOfBlock> TileBytes;
+typedef Bytes<maxBlockBytesOfTile> BlockBytes;
+
+size_t tileOf(const BlockBytes& block, VertEncoder& encoder, TileEncoder& tileEncoder, uint8_t* out) {
+  const auto decoded = std::make_unique<DecodedBlock>(block.header());
+  return tileOfBlock(block.header(), decoded->vertices, encoder, tileEncoder, out);
+}
+
+/* Fills an encoder with a bent, rough sheet of `size` coordinates per quad. */
+void fill(BlockVertices& out, Random& random, uint32_t quadsX, uint32_t quadsY, double size, double roughness,
+          double spacing) {
+  double axes[3][3];
+  for (auto& axis : axes)
+    for (double& x : axis) x = random.uniform(-1, 1);
+  for (uint32_t y = 0; y <= quadsY; y++)
+    for (uint32_t x = 0; x <= quadsX; x++)
+      for (int k = 0; k < 3; k++) {
+        const double bend = 0.02 * (double(x) * y - 0.5 * double(x) * x);
+        const double at = size * (x * axes[0][k] + y * axes[1][k] + bend * axes[2][k]) + roughness * random.normal();
+        out.vertices[y * (quadsX + 1) + x][k] = float(std::floor(at + 1000 * k) * spacing);
+      }
+}
+
+VertPlacement placement(Random& random, uint32_t quadsX, uint32_t quadsY) {
+  const uint32_t region = packRegion(quadsX, quadsY, 16, 32);
+  if (random.below(2)) return {region, packPatchQuads(64, 64)};
+  return {region, packPatchQuads(64, 64), packEdges(quadsX, quadsY, 1, 1, 1, 5)};
+}
+
+TEST(TileBlock, HasTheVerticesOfItsBlockAndBoxesAroundLeaves) {
+  Random random(seed);
+  auto encoder = std::make_unique<VertEncoder>();
+  TileEncoder tileEncoder;
+  auto block = std::make_unique<BlockBytes>(), again = std::make_unique<BlockBytes>();
+  auto tile = std::make_unique<TileBytes>();
+  std::map<uint32_t, int> widths;
+  size_t without = 0;
+  for (int i = 0; i < 3000; i++) {
+    const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
+    const double sizes[] = {2, 20, 200, 700}, roughness[] = {0, 1, 10, 100, 2000};
+    encoder->setSize(packRegion(quadsX, quadsY, 0, 0));
+    fill(*encoder, random, quadsX, quadsY, sizes[random.below(4)], roughness[random.below(5)],
+         std::ldexp(1.0, int(random.below(60)) - 30));
+    const bool isBad = i % 17 == 0;
+    if (isBad) encoder->vertices[random.below(encoder->numVertices())][i % 3] = i % 2 ? NAN : INFINITY;
+    const bool isLossless = i % 13 == 0;
+    if (isLossless) // more bits than coordinates have
+      for (uint32_t v = 0; v < encoder->numVertices(); v++) encoder->vertices[v][i % 3] *= 1.0001f;
+    VertStatistics statistics;
+    block->used = encoder->encode(placement(random, quadsX, quadsY), block->bytes, statistics);
+    if (block->used == 0) continue;
+    ((VertHeader*)block->bytes)->primID = uint32_t(i);
+    ((VertHeader*)block->bytes)->surface = uint32_t(2 * i);
+    const size_t bytes = tileOf(*block, *encoder, tileEncoder, tile->bytes);
+    if (bytes == 0) {
+      ASSERT_LT(quadsX * quadsY, minTileQuads);
+      without++;
+      continue;
+    }
+    const VertHeader* header = tile->header();
+    ASSERT_TRUE(isTile(header->info));
+    ASSERT_FALSE(isTile(block->header()->info));
+    ASSERT_EQ(tileBytes(header), bytes);
+    ASSERT_EQ(header->region, block->header()->region);
+    ASSERT_EQ(header->patchQuads, block->header()->patchQuads);
+    ASSERT_EQ(header->primID, uint32_t(i));
+    ASSERT_EQ(header->surface, uint32_t(2 * i));
+    ASSERT_EQ(edgesOf(header).low, edgesOf(block->header()).low);
+    ASSERT_EQ(edgesOf(header).high, edgesOf(block->header()).high);
+    widths[tileVertexBytes(header)]++;
+    const auto expected = std::make_unique<DecodedBlock>(block->header()),
+               decoded = std::make_unique<DecodedBlock>(header);
+    for (uint32_t v = 0; v < encoder->numVertices(); v++)
+      for (int k = 0; k < 3; k++) {
+        const float a = expected->vertices[v][k], b = decoded->vertices[v][k];
+        ASSERT_TRUE(std::memcmp(&a, &b, sizeof(a)) == 0 || (std::isnan(a) && std::isnan(b)) || (a == 0 && b == 0))
+            << "sheet " << i << ", vertex " << v << ": " << a << " " << b;
+      }
+    for (uint32_t leaf = 0; leaf < 32; leaf++) {
+      const uint32_t x0 = leafQuadsX * (leaf & 3u), y0 = leafQuadsY * (leaf >> 2);
+      const bool exists = x0 < quadsX && y0 < quadsY;
+      ASSERT_EQ((tileLeaves(header->region) >> leaf) & 1u, uint32_t(exists));
+      if (!exists) continue;
+      for (int k = 0; k < 3; k++) {
+        const double unit = double(tileBoxUnit(header, k)), origin = double(header->origin[k]);
+        const double lower = origin + unit * tilePlane(header, leaf, k, 0),
+                     upper = origin + unit * tilePlane(header, leaf, k, 1);
+        for (uint32_t y = y0; y <= std::min(y0 + leafQuadsY, quadsY); y++)
+          for (uint32_t x = x0; x <= std::min(x0 + leafQuadsX, quadsX); x++) {
+            const float* p = decoded->vertex(x, y);
+            if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
+            ASSERT_LE(lower, double(p[k])) << "sheet " << i << ", leaf " << leaf;
+            ASSERT_GE(upper, double(p[k])) << "sheet " << i << ", leaf " << leaf;
+          }
+      }
+    }
+    // back to the same block
+    again->used = blockOfTile(header, *encoder, again->bytes);
+    ASSERT_EQ(again->used, block->used);
+    ASSERT_EQ(std::memcmp(again->bytes, block->bytes, block->used), 0) << "sheet " << i;
+  }
+  for (uint32_t width : {2u, 3u, 4u, 5u, tileFloatBytes}) EXPECT_GT(widths[width], 50) << width;
+  EXPECT_GT(without, 300u);
+}
+
+TEST(TileBlock, KeepsPrimitiveNumbers) {
+  Random random(seed + 1);
+  auto encoder = std::make_unique<VertEncoder>();
+  TileEncoder tileEncoder;
+  NumbersEncoder numbers;
+  auto block = std::make_unique<BlockBytes>(), again = std::make_unique<BlockBytes>();
+  auto tile = std::make_unique<TileBytes>();
+  size_t tables = 0, pairs = 0;
+  for (int i = 0; i < 300; i++) {
+    const uint32_t quadsX = 9 + random.below(8), quadsY = 9 + random.below(8);
+    QuadNumbers patch;
+    const bool areTriangles = i % 2, areFar = i % 3 == 0, areMixed = i % 5 == 0;
+    patch.numbering = areTriangles ? primIDsOfTriangles : 0u;
+    patch.width = quadsX;
+    for (uint32_t q = 0; q < quadsX * quadsY; q++) {
+      patch.numbers.push_back(100 + (areMixed ? 2 * random.below(5000) : 2 * q));
+      if (areTriangles && areFar) {
+        patch.seconds.push_back(patch.numbers.back() + 7000);
+        patch.firstCorners.push_back(0);
+      }
+    }
+    numbers.choosePattern(patch, 0, 0, quadsX, quadsY);
+    encoder->setSize(packRegion(quadsX, quadsY, 0, 0));
+    fill(*encoder, random, quadsX, quadsY, 20, 1, 0.125);
+    VertStatistics statistics;
+    block->used = encoder->encode(VertPlacement(packRegion(quadsX, quadsY, 0, 0), numbers.numbering, numbers.pattern),
+                                  block->bytes, statistics);
+    block->used = numbers.finish((VertHeader*)block->bytes, block->used);
+    ASSERT_GT(tileOf(*block, *encoder, tileEncoder, tile->bytes), 0u);
+    tables += haveTable(numbers.numbering);
+    pairs += haveTrianglePairs(numbers.numbering);
+    for (uint32_t y = 0; y < quadsY; y++)
+      for (uint32_t x = 0; x < quadsX; x++)
+        for (bool isSecond : {false, true})
+          ASSERT_EQ(primitiveOfQuad(tile->header(), x, y, isSecond).primID,
+                    primitiveOfQuad(block->header(), x, y, isSecond).primID);
+    again->used = blockOfTile(tile->header(), *encoder, again->bytes);
+    ASSERT_EQ(vertBytes(again->header()), vertBytes(block->header()));
+    ASSERT_EQ(std::memcmp(again->bytes, block->bytes, vertBytes(block->header())), 0);
+  }
+  EXPECT_GT(tables, 30u);
+  EXPECT_GT(pairs, 30u);
+}
+
+TEST(TileBlock, ConstantsMatchThePage) {
+  expectConstants("tile.md", {{"type of a tile in the tree", TILE_BLOCK},
+                              {"quads of a leaf along u", leafQuadsX},
+                              {"quads of a leaf along v", leafQuadsY},
+                              {"quads of a tile, at least", minTileQuads},
+                              {"bytes of a packed vertex, at most", maxTileVertexBytes},
+                              {"bytes of a vertex as floats", tileFloatBytes},
+                              {"leaves per part of the boxes", leavesPerPart}});
+}
+
+// Vertex (i,j) is at (100 + 8 i, 8 j, i j), but vertex (4,4) is 40 lower.
+TEST(TileBlock, MatchesTheAnnotatedTile) {
+  auto encoder = std::make_unique<VertEncoder>();
+  for (uint32_t j = 0; j <= 8; j++)
+    for (uint32_t i = 0; i <= 8; i++) {
+      float* p = encoder->vertices[9 * j + i];
+      p[0] = float(100 + 8 * i);
+      p[1] = float(8 * j);
+      p[2] = float(i * j) - (i == 4 && j == 4 ? 40.0f : 0.0f);
+    }
+  encoder->setSize(packRegion(8, 8, 16, 0));
+  encoder->computeBounds();
+  auto tile = std::make_unique<TileBytes>();
+  TileEncoder tileEncoder;
+  tile->used = tileEncoder.encode(*encoder, VertPlacement(packRegion(8, 8, 16, 0), packPatchQuads(24, 8)), tile->bytes);
+  ((VertHeader*)tile->bytes)->surface = 3;
+  ((VertHeader*)tile->bytes)->primID = 5;
+  expectAnnotatedBytes(tile->bytes, tile->used, "tile.md", "Annotated tile");
+}
+
+}} // namespace programs::test
