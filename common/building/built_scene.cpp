@@ -163,10 +163,11 @@ void BuiltScene::readStatistics() {
 /* In quad geometries, triangles repeat their last vertex. GRID and NAIVE-compact differ by the scene's flags. */
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings) {
   if (builtAs.kind != RepresentationKind::Grid && builtAs.kind != RepresentationKind::NaiveCompact &&
-      builtAs.kind != RepresentationKind::CVert)
-    throw Error(settingName("mesh") + ": meshes have no " + builtAs.label() +
-                ": expected grid (Embree's own quads or triangles), naive-compact (these in Embree's compact mode) or "
-                "cvert");
+      !builtAs.isExact())
+    throw Error(
+        settingName("mesh") + ": meshes have no " + builtAs.label() +
+        ": expected grid (Embree's own quads or triangles), naive-compact (these in Embree's compact mode), cvert "
+        "or ctile");
   const Cage& mesh = model.cage;
   bool isTriangleMesh = true;
   for (size_t face = 0; face < mesh.numFaces(); face++) isTriangleMesh &= isTriangle(mesh, face);

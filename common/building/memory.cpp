@@ -58,6 +58,9 @@ size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size) {
   case RepresentationKind::CGrid:
     if (later == 0) return quads * 25;
     [[fallthrough]]; // moving geometry is stored as cVERT
+  case RepresentationKind::CTile:
+    if (later == 0) return quads * 14;
+    [[fallthrough]];
   default: return quads * (10 + 6 * later);
   }
 }

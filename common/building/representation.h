@@ -21,6 +21,7 @@ enum class RepresentationKind {
   CVoxel = RTC_COMPRESSION_CVOXEL,
   CLeaf = RTC_COMPRESSION_CLEAF,
   CVert = RTC_COMPRESSION_CVERT,
+  CTile = RTC_COMPRESSION_CTILE,
   /* cLEAF as in the paper: no faces stored as cVERT (cbvh_fallback_faces=0). */
   CLeafOnly = 1000,
   NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT
@@ -41,7 +42,7 @@ inline std::string listOfRepresentations(const std::string& separator) {
 /* The programs' default list: all but cLEAF-only, which is close to cLEAF. */
 std::string defaultRepresentations();
 
-/* The representations that meshes support: Embree's own kernel, the same in its compact mode, and cVERT. */
+/* The representations that meshes support: Embree's own kernel, the same in its compact mode, cVERT and cTILE. */
 std::string meshRepresentations();
 
 constexpr int autoFrameLevel = -1;
@@ -59,6 +60,9 @@ struct Representation {
   bool isTriangulated() const;
 
   bool hasFrames() const;
+
+  /* cVERT or cTILE, whose vertices and hits are equal. */
+  bool isExact() const { return kind == RepresentationKind::CVert || kind == RepresentationKind::CTile; }
 
   /* Names what the library builds instead if the surface moves: "stored as cVERT" or "GRID". Empty if this
    * representation supports motion, or is triangulated. */

@@ -14,9 +14,7 @@
 namespace programs {
 namespace {
 
-bool hasTriangles(const Representation& r) {
-  return r.kind == RepresentationKind::CVert || r.kind == RepresentationKind::CGrid;
-}
+bool hasTriangles(const Representation& r) { return r.isExact() || r.kind == RepresentationKind::CGrid; }
 
 } // namespace
 

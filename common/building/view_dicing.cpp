@@ -106,7 +106,7 @@ BuildSettings settingsForView(BuildSettings settings, const Model& model, const 
 float highestRate(const std::vector<Representation>& representations) {
   float highest = 4096;
   for (const Representation& r : representations)
-    if (r.kind != RepresentationKind::CVert) highest = float(1 << maxLevel);
+    if (!r.isExact()) highest = float(1 << maxLevel);
   return highest;
 }
 

@@ -248,7 +248,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion) {
 
 // "grid" is Embree's GRID in subdiv_accel and in programs that offer both, and cGRID elsewhere.
 TEST(Settings, NamesOfKindsAreAcceptedEverywhere) {
-  const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
+  const std::string kinds[] = {"grid", "voxel", "leaf", "vert", "tile"};
   for (const std::string& kind : kinds) {
     const std::string expected = representation("subdiv_accel=cbvh." + kind);
     std::string upper = "cbvh." + kind;
@@ -322,7 +322,7 @@ TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting
     EXPECT_NE(device.message.find(value), std::string::npos) << device.message;
   };
   expectError(nullptr, "args", "NULL");
-  for (int value : {-1, 6, 99, 1 << 30}) {
+  for (int value : {-1, 7, 99, 1 << 30}) {
     RTCCompressionArguments args = arguments(RTC_COMPRESSION_CLEAF);
     std::memcpy(&args.compression, &value, sizeof(value));
     expectError(&args, "compression", std::to_string(value));

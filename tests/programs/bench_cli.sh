@@ -30,7 +30,7 @@ refuses "amplitude .*--cage.*cube:0.45" --scene cube --amplitude 0.45
 refuses "count .*--scene herd" --scene herd,cube --count 2
 refuses "missing.obj: " --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "representation 'mesh'.*naive, naive-compact, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" \
+refuses "representation 'mesh'.*naive, naive-compact, grid, cgrid, cvoxel, cleaf, cleaf-only, cvert [a-z]* ctile" \
   --scene cube --representation mesh
 refuses "representation 'cbvh.leaf' .*repeated" --scene cube --representation Leaf,cbvh.leaf
 refuses "option --leaves-only" --scene cube --leaves-only

@@ -6,7 +6,7 @@ import numpy as np
 
 import embree_cbvh as cbvh
 
-REPRESENTATIONS = ("naive", "naive-compact", "grid", "cgrid", "cvoxel", "cleaf", "cleaf-only", "cvert")
+REPRESENTATIONS = ("naive", "naive-compact", "grid", "cgrid", "cvoxel", "cleaf", "cleaf-only", "cvert", "ctile")
 
 
 def sheet_arrays(n=5):

@@ -194,6 +194,7 @@ inline const char* kindName(RTCCompression compression) {
   case RTC_COMPRESSION_CVOXEL: return "cVOXEL";
   case RTC_COMPRESSION_CLEAF: return "cLEAF";
   case RTC_COMPRESSION_CVERT: return "cVERT";
+  case RTC_COMPRESSION_CTILE: return "cTILE";
   default: return "GRID";
   }
 }

@@ -106,10 +106,11 @@ static void reportCompression(Scene* scene, bool moves) {
     Lock<MutexSys> lock(g_printMutex);
     std::cerr << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
     const bool isCage = geometry->ownType == Geometry::GTY_SUBDIV_MESH;
-    if ((moves || !isCage) && settings.compression != RTC_COMPRESSION_CVERT)
+    if ((moves || !isCage) && !(cbvh::isExact(settings.compression) && !moves) &&
+        settings.compression != RTC_COMPRESSION_CVERT)
       std::cerr << " requested, but it " << (moves ? "has motion blur" : "is a grid or mesh") << ": "
                 << compressionName(RTC_COMPRESSION_CVERT);
-    else if (settings.compression != RTC_COMPRESSION_CVERT) { // cVERT has no frames
+    else if (!cbvh::isExact(settings.compression)) { // which have no frames
       if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cerr << ", frame level auto";
       else std::cerr << ", frame level " << settings.frameLevel;
     }

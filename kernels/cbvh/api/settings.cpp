@@ -68,7 +68,7 @@ static bool isKey(const std::string& name) {
  *  then parse(), which collects them, and finishParsing(), which may reject them. */
 static thread_local std::vector<std::pair<std::string, std::string>> unknownKeys;
 
-/*! For an empty prefix, returns "grid, voxel, leaf or vert". */
+/*! For an empty prefix, returns "grid, voxel, leaf, vert or tile". */
 static std::string kindKeys(const std::string& prefix) {
   std::string list;
   for (uint32_t k = 0; k < cbvh::numKinds; k++)

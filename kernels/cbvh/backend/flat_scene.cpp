@@ -128,6 +128,9 @@ private:
                      "the scene cannot be flattened: the file of one of its geometries has a damaged block");
     const BlockRow row = rowOf(blockType);
     const uint32_t childType = row.referenceType(data);
+    if (childType == numReferenceTypes && blockType == TILE_BLOCK)
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                     "the scene cannot be flattened: its surfaces are stored as tiles (cTILE); expected cVERT");
     if (childType == numReferenceTypes)
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                      "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "

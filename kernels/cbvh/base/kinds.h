@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Kinds of blocks: the paper's cGRID, cVOXEL and cLEAF, whose blocks have frames (local coordinate systems), and cVERT.
+/* Kinds of blocks: the paper's cGRID, cVOXEL and cLEAF, whose blocks have frames (local coordinate systems), cVERT, and
+ * cTILE, which stores the blocks of cVERT at rest as tiles (cvert/format/tile.h).
  * Blocks with frames store the number of their kind (paper/block.h), which also determines references (reference.h)
  * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *
@@ -30,6 +31,7 @@ CVERT_CONSTANT uint32_t kindGrid = 0u;
 CVERT_CONSTANT uint32_t kindVoxel = 1u;
 CVERT_CONSTANT uint32_t kindLeaf = 2u;
 CVERT_CONSTANT uint32_t kindVert = 3u;
+CVERT_CONSTANT uint32_t kindTile = 4u;
 
 /*! References have room for this many kinds. */
 CVERT_CONSTANT uint32_t maxKinds = 18u;
@@ -68,7 +70,13 @@ CBVH_END
 
 CBVH_BEGIN
 
-enum class Kind : uint32_t { CGRID = kindGrid, CVOXEL = kindVoxel, CLEAF = kindLeaf, CVERT = kindVert };
+enum class Kind : uint32_t {
+  CGRID = kindGrid,
+  CVOXEL = kindVoxel,
+  CLEAF = kindLeaf,
+  CVERT = kindVert,
+  CTILE = kindTile
+};
 
 struct KindDescription {
   Kind kind;
@@ -91,7 +99,8 @@ static constexpr KindDescription kindDescriptions[] = {
   { Kind::CVOXEL, "voxel", "cVOXEL", false, false, true  },
   { Kind::CLEAF,  "leaf",  "cLEAF",  true,  true,  true  },
 #endif
-  { Kind::CVERT,  "vert",  "cVERT",  false, true,  false }
+  { Kind::CVERT,  "vert",  "cVERT",  false, true,  false },
+  { Kind::CTILE,  "tile",  "cTILE",  false, true,  false }
 };
 // clang-format on
 static constexpr uint32_t numKinds = sizeof(kindDescriptions) / sizeof(kindDescriptions[0]);
@@ -103,6 +112,13 @@ static_assert(RTC_COMPRESSION_CLEAF - RTC_COMPRESSION_CGRID == kindLeaf,
               "a value of RTCCompression follows from the kind");
 static_assert(RTC_COMPRESSION_CVERT - RTC_COMPRESSION_CGRID == kindVert,
               "a value of RTCCompression follows from the kind");
+static_assert(RTC_COMPRESSION_CTILE - RTC_COMPRESSION_CGRID == kindTile,
+              "a value of RTCCompression follows from the kind");
+
+/*! True for cVERT and cTILE, which have the same vertices. */
+inline bool isExact(RTCCompression compression) {
+  return compression == RTC_COMPRESSION_CVERT || compression == RTC_COMPRESSION_CTILE;
+}
 
 /*! Returns the entry of kindDescriptions for a kind, which must have one. */
 inline const KindDescription& descriptionOf(Kind kind) {

@@ -13,6 +13,7 @@
 #include "../base/reference.h"
 #include "../base/thread_cache.h"
 #include "../../cvert/format/mesh_motion.h"
+#include "../../cvert/format/tile.h"
 #include <cassert>
 
 namespace embree::cbvh { inline namespace CBVH_ISA {
@@ -63,6 +64,13 @@ inline BlockRow rowOf(BlockType type) {
         [](const void* block) {
           return isMoving(((const VertHeader*)block)->info) ? movingBlockReferenceType : blockReferenceType(kindVert);
         });
+  case TILE_BLOCK:
+    return BlockRow(
+        offsetof(VertHeader, surface), offsetof(VertHeader, primID), vertCache, 0,
+        [](const void* tile) { return tileBytes((const VertHeader*)tile); }, [](const void*) { return false; },
+        [](const void*) { return VertMotion(); },
+        [](const void* tile) { return tileVertexBytes((const VertHeader*)tile) == tileFloatBytes; },
+        [](const void*) { return numReferenceTypes; });
   case MESH_BLOCK:
     return BlockRow(
         offsetof(MeshHeader, surface), offsetof(MeshHeader, primID), meshCache, meshMotionCache,

@@ -123,7 +123,8 @@ void forEachQuad(const VertHeader* block, const Closure& closure) {
 bool isPresent(const StoredBlock& block, const TraversalTime& time) {
   switch (block.type) {
   case FRAMED_BLOCK: return true;
-  case VERT_BLOCK: return VerticesAtTime::isPresent(block.vert(), time);
+  case VERT_BLOCK:
+  case TILE_BLOCK: return VerticesAtTime::isPresent(block.vert(), time);
   case MESH_BLOCK: return MeshAtTime::isPresent(block.mesh(), time);
   }
   return false;
@@ -165,6 +166,7 @@ public:
     switch (block.type) {
     case FRAMED_BLOCK: searchByParameters(block.framed()); break;
     case VERT_BLOCK:
+    case TILE_BLOCK:
       if (block.areQuadsPrimitives()) searchByPrimitive(block.vert(), primID);
       else searchByParameters(block.vert());
       break;
@@ -321,6 +323,7 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
     switch (block.type) {
     case FRAMED_BLOCK: break;
     case VERT_BLOCK:
+    case TILE_BLOCK:
       if (block.areQuadsPrimitives())
         numTriangles += 2 * vertQuadsX(block.vert()->region) * vertQuadsY(block.vert()->region);
       break;
@@ -352,6 +355,7 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
     switch (blocks[i].type) {
     case FRAMED_BLOCK: break;
     case VERT_BLOCK:
+    case TILE_BLOCK:
       if (!blocks[i].areQuadsPrimitives()) break;
       forEachQuad(blocks[i].vert(), [&](uint32_t x, uint32_t y) {
         for (bool isSecond : {false, true}) add(primitiveOfQuad(blocks[i].vert(), x, y, isSecond).primID, i);
@@ -466,6 +470,7 @@ void forEachPart(const SurfaceBlocks& blocks, const TraversalTime& time,
     switch (block.type) {
     case FRAMED_BLOCK: return forParametrizedPart(block, block.framed(), time, closure);
     case VERT_BLOCK:
+    case TILE_BLOCK:
       return block.areQuadsPrimitives() ? forNumberedPart(block, time, closure)
                                         : forParametrizedPart(block, block.vert(), time, closure);
     case MESH_BLOCK: return forEachMeshPart(block, time, closure);

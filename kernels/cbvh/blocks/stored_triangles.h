@@ -39,8 +39,8 @@ struct StoredBlock {
     return primID;
   }
 
-  /*! True for cVERT blocks of quad or triangle meshes, where quads or their triangles are primitives. */
-  bool areQuadsPrimitives() const { return type == VERT_BLOCK && hasPrimIDs(vert()->info); }
+  /*! True for cVERT blocks and tiles of quad or triangle meshes, where quads or their triangles are primitives. */
+  bool areQuadsPrimitives() const { return (type == VERT_BLOCK || type == TILE_BLOCK) && hasPrimIDs(vert()->info); }
 };
 
 /*! Finds the triangle of a hit. Immutable, so threads may share it. */

@@ -286,7 +286,7 @@ private:
     for (const Surface& surface : surfaces) {
       const CompressionPlan& plan = surface.plan;
       if (plan.compresses())
-        line.addCompressed(surface.geometry, surface.geomID, plan.kind(), surface.blocks->statistics);
+        line.addCompressed(surface.geometry, surface.geomID, plan.kindOfMessages(), surface.blocks->statistics);
       else line.addUncompressed(surface.geometry);
     }
     const bool listsOthers = !doesOtherBuilderReport();

@@ -109,7 +109,8 @@ private:
         decodeMesh((const cbvh::MeshHeader*)block, segments, boxes);
         origin = ((const cbvh::MeshHeader*)block)->origin;
         break;
-      case cbvh::FRAMED_BLOCK: throw_RTCError(RTC_ERROR_UNKNOWN, "a block with a frame moves");
+      case cbvh::FRAMED_BLOCK:
+      case cbvh::TILE_BLOCK: throw_RTCError(RTC_ERROR_UNKNOWN, "a block with a frame, or a tile, moves");
       }
       // MotionTree requires a box
       if (std::all_of(boxes, boxes + segments + 1, [](const cbvh::StepBox& box) { return box.isEmpty(); }))

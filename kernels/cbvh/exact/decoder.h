@@ -9,6 +9,7 @@
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
+#include "../../cvert/format/tile.h"
 
 namespace embree::isa::cbvh {
 /*! Decodes the words of groups and the offsets of their fields. low: lower 16 bits of each word. high: the next 8
@@ -65,7 +66,10 @@ public:
     out.lanes = ((1u << layout.groupsX) - 1) * 0x1111u & ((1u << 4 * layout.groupsY) - 1);
     setAxes(block, out);
     if (unlikely(isRaw(block->info))) {
-      for (int k = 0; k < 3; k++) copyPlanes(k, out);
+      for (int k = 0; k < 3; k++) {
+        if (isTile(block->info)) setPlanesOfTile(k, out);
+        else copyPlanes(k, out);
+      }
       return;
     }
     CellVertices corners;
@@ -80,6 +84,10 @@ public:
   /*! Decodes the vertices of the group in a lane, in world space. entry: output of decode(). */
   __forceinline void vertices(const VertBlockEntry& entry, uint32_t lane, CellVertices& out) const {
     const uint32_t gx = lane & 3, gy = lane >> 2;
+    if (unlikely(isTile(block->info))) {
+      copyVerticesOfTile(gx, gy, out);
+      return;
+    }
     if (unlikely(isRaw(block->info))) {
       copyVertices(bytes(layout.vertices), block->region, gx, gy, out);
       return;
@@ -122,6 +130,34 @@ private:
       highest = max(highest, out.planes[k].at[1][l]); // no effect for an empty group
     }
     out.extent[k] = highest - block->origin[k];
+  }
+
+  /*! Sets the planes of groups on axis k to the bounds of their leaves' boxes, and the extent. */
+  void setPlanesOfTile(int k, VertBlockEntry& out) const {
+    const float origin = block->origin[k], unit = tileBoxUnit(block, k);
+    uint32_t highest = 0;
+    for (uint32_t lane = 0; lane < 16; lane++) {
+      const uint32_t leaf = (lane & 3) + 8 * (lane >> 2);
+      uint32_t lower = maxBoxByte, upper = 0;
+      for (uint32_t l : {leaf, leaf + 4}) {
+        if (!((tileLeaves(block->region) >> l) & 1u)) continue;
+        lower = min(lower, tilePlane(block, l, k, 0));
+        upper = max(upper, tilePlane(block, l, k, 1));
+      }
+      // outwards, because planes of a tile with floats are rounded
+      out.planes[k].at[0][lane] = std::nextafter(origin + float(lower) * unit, float(neg_inf));
+      out.planes[k].at[1][lane] = std::nextafter(origin + float(upper) * unit, float(pos_inf));
+      highest = max(highest, upper);
+    }
+    out.extent[k] = float(highest + 1) * unit;
+  }
+
+  void copyVerticesOfTile(uint32_t gx, uint32_t gy, CellVertices& out) const {
+    for (uint32_t j = 0; j < 5; j++)
+      for (uint32_t i = 0; i < 5; i++)
+        for (int k = 0; k < 3; k++)
+          out.at[k][laneOfVertex(i, j)] =
+              tileVertex(block, min(groupQuads * gx + i, quadsX), min(groupQuads * gy + j, quadsY), k);
   }
 
   const VertHeader* block;

@@ -28,6 +28,15 @@ struct VertTriangle {
       for (int c = 0; c < 3; c++) vertices[k][c] = triangles.vertices.at[k][triangles.corners[c][index]];
   }
 
+  /*! axes: by axis, a vertex per lane; the fourth lane is unused. */
+  __forceinline explicit VertTriangle(const vfloat4 (&axes)[3]) {
+    for (int k = 0; k < 3; k++) {
+      alignas(16) float lanes[4];
+      vfloat4::store(lanes, axes[k]);
+      for (int i = 0; i < 3; i++) vertices[k][i] = lanes[i];
+    }
+  }
+
   __forceinline Sides sides(const VertRay& ray) const {
     const Sheared s(*this, ray);
     return triangleSides(s.x[0], s.y[0], s.x[1], s.y[1], s.x[2], s.y[2]);

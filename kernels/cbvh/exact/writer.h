@@ -17,6 +17,7 @@
 #include "../../cvert/encoder/motion_encoder.h"
 #include "../../cvert/encoder/prim_id_encoder.h"
 #include "../../cvert/encoder/snapped_vertices.h"
+#include "../../cvert/encoder/tile_encoder.h"
 
 namespace embree::isa {
 class VertWriter {
@@ -119,8 +120,10 @@ private:
   void writeBlock(const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) {
     const cbvh::VertPlacement placement = choosePlacement(patch, x, y, w, h);
     cbvh::VertStatistics blockStatistics;
-    uint8_t* const bytes = store.reserve(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
-    const size_t size = encoder.encode(placement, bytes, blockStatistics);
+    static const size_t maxBytes = max(cbvh::VertEncoder::maxBytes, cbvh::TileEncoder::maxBytes);
+    uint8_t* const bytes = store.reserve(maxBytes + cbvh::NumbersEncoder::maxBytes);
+    size_t size = plan.makesTiles() ? encodeTile(placement, bytes, blockStatistics) : 0;
+    if (size == 0) size = encoder.encode(placement, bytes, blockStatistics);
     if (size == 0) {
       statistics.sums.numInvalidQuads += size_t(w) * h;
       return;
@@ -128,6 +131,16 @@ private:
     cbvh::WorldBounds bounds;
     extend(bounds, encoder);
     commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds);
+  }
+
+  /*! Returns 0 if the vertices remain a block. */
+  size_t encodeTile(const cbvh::VertPlacement& placement, uint8_t* bytes, cbvh::VertStatistics& blockStatistics) {
+    encoder.setSize(placement.region);
+    encoder.computeBounds();
+    if (!encoder.anyFinite()) return 0;
+    const size_t size = tileEncoder.encode(encoder, placement, bytes);
+    if (size && !encoder.allFinite) blockStatistics.invalidQuads += encoder.countInvalidQuads();
+    return size;
   }
 
   /*! copy(step,out) must store the block's vertices at a time step. */
@@ -186,18 +199,23 @@ private:
     addToStatistics(header, size, blockStatistics);
     if (patch.numbers) addMeshQuads(patch, size_t(cbvh::vertQuadsX(header->region)) * cbvh::vertQuadsY(header->region));
     store.hitBounds.extend(bounds);
-    store.commit(size, toBBox(bounds), cbvh::VERT_BLOCK, cbvh::vertReadPadding);
+    store.commit(size, toBBox(bounds), cbvh::isTile(header->info) ? cbvh::TILE_BLOCK : cbvh::VERT_BLOCK,
+                 cbvh::vertReadPadding);
   }
 
   /*! bytes: size of the block without padding. */
   void addToStatistics(const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& blockStatistics) {
     const cbvh::VertLayout layout = cbvh::vertLayout(header->region, header->info);
     const size_t stride = (bytes + cbvh::blockAlignment - 1) & ~size_t(cbvh::blockAlignment - 1);
-    const size_t nodesEnd = blockStatistics.raw ? layout.margins : layout.cell;
+    const bool isTile = cbvh::isTile(header->info);
+    const size_t headerEnd = isTile ? cbvh::tileBoxesOffset(header->info) : layout.margins,
+                 nodesEnd = isTile                ? cbvh::tileVerticesOffset(header->region, header->info)
+                            : blockStatistics.raw ? layout.margins
+                                                  : layout.cell;
     const size_t quads = size_t(cbvh::vertQuadsX(header->region)) * size_t(cbvh::vertQuadsY(header->region));
     cbvh::CompressionStatistics& sums = statistics.sums;
-    sums.headerBytes += layout.margins;
-    sums.nodeBytes += nodesEnd - layout.margins;
+    sums.headerBytes += headerEnd;
+    sums.nodeBytes += nodesEnd - headerEnd;
     sums.leafBytes += stride - nodesEnd;
     sums.numBlocks++;
     sums.numRawBlocks += blockStatistics.raw;
@@ -282,6 +300,7 @@ private:
   mvector<float> stepVertices;     //!< rounded vertices of a strip, step by step
   unsigned sideRates[4];           //!< edge rates of the patch's sides, equal in adjacent faces
   cbvh::VertEncoder encoder;
+  cbvh::TileEncoder tileEncoder;
   std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block
   cbvh::NumbersEncoder numbers;
 };

@@ -9,6 +9,7 @@
 #include "../embree/scene.h"
 #include "../blocks/block_table.h"
 #include "../blocks/surface_blocks.h"
+#include "../../cvert/encoder/tile_conversion.h"
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
 
@@ -45,8 +46,16 @@ private:
     if (!isBlockValid(block, blockType))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                      "the geometry cannot be saved: the file that it was loaded from has a damaged block");
+    if (blockType == TILE_BLOCK) return tile((const VertHeader*)block);
     const BlockRow row = rowOf(blockType);
     return to.append(fileChildOf(blockType, row.moves(block)), block, row.bytes(block), row.surface);
+  }
+
+  /*! Files store the tile's vertices as a block. */
+  uint64_t tile(const VertHeader* tile) {
+    uint8_t block[maxBlockBytesOfTile];
+    const size_t bytes = blockOfTile(tile, encoder, block);
+    return to.append(FILE_VERT, to.keep(block, bytes), uint32_t(bytes), offsetof(VertHeader, surface));
   }
 
   uint64_t child(BVH4::NodeRef ref) {
@@ -97,7 +106,13 @@ private:
   }
 
   FileSurface& to;
+  VertEncoder encoder;
 };
+
+/*! Tiles are stored as blocks. */
+RTCCompression compressionInFiles(RTCCompression compression) {
+  return isExact(compression) ? RTC_COMPRESSION_CVERT : compression;
+}
 
 uint32_t sourceOf(const CompressibleGeometry* geometry) {
   switch (geometry->ownType) {
@@ -119,9 +134,10 @@ FileSurface toFileSurface(const CompressibleGeometry* geometry, const SurfaceBlo
   record.numTimeSteps = geometry->numTimeSteps;
   record.begin = geometry->time_range.lower;
   record.end = geometry->time_range.upper;
-  record.compression = moves || record.source != FILE_CAGE
-                           ? RTC_COMPRESSION_CVERT
-                           : geometry->compression.resolve(geometry->device->compression).compression;
+  record.compression =
+      moves || record.source != FILE_CAGE
+          ? RTC_COMPRESSION_CVERT
+          : compressionInFiles(geometry->compression.resolve(geometry->device->compression).compression);
   for (int k = 0; k < 3; k++) {
     record.lower[k] = blocks.bounds.lower[k];
     record.upper[k] = blocks.bounds.upper[k];

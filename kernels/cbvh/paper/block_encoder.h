@@ -49,7 +49,8 @@ public:
     case Kind::CGRID: encodeWith(GridEncoder(geometry, block, statistics), block); break;
     case Kind::CVOXEL: encodeWith(VoxelEncoder(geometry, block, statistics), block); break;
     case Kind::CLEAF: encodeWith(LeafEncoder(geometry, block, sharpSides, statistics), block); break;
-    case Kind::CVERT: break; // has no frame: cvert/encoder/block_encoder.h
+    case Kind::CVERT:
+    case Kind::CTILE: break; // have no frame: cvert/encoder
     }
   }
 

@@ -23,21 +23,29 @@ struct CompressionPlan {
       timeRange(geometry->time_range),
       settings(geometry->compression.resolve(geometry->device->compression)) {
     isCompressed = cbvh::findKind(settings.compression, blockKind);
-    if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::CVERT;
+    areBlocksTiles = isCompressed && blockKind == cbvh::Kind::CTILE && !moves();
+    if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves() || blockKind == cbvh::Kind::CTILE)
+      blockKind = cbvh::Kind::CVERT;
   }
 
   /*! True if a moving cage that requests compression is compressed. It is stored as cVERT, so requests of other
    *  kinds need the setting fallback_faces. */
   static bool compressesMotion(const SubdivMesh* geometry) {
     const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
-    return settings.compression == RTC_COMPRESSION_CVERT || settings.fallbackFaces != 0;
+    return cbvh::isExact(settings.compression) || settings.fallbackFaces != 0;
   }
 
   bool moves() const { return numTimeSteps != 1; }
 
   bool isLossless() const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
 
-  /*! Kind of the blocks. Meaningless unless compresses(). */
+  /*! True if cVERT blocks become tiles. */
+  bool makesTiles() const { return areBlocksTiles; }
+
+  /*! Kind of the blocks, for messages: cTILE even if only some of them are tiles. */
+  cbvh::Kind kindOfMessages() const { return makesTiles() ? cbvh::Kind::CTILE : kind(); }
+
+  /*! Kind of the blocks, CVERT for tiles. Meaningless unless compresses(). */
   cbvh::Kind kind() const { return blockKind; }
 
   /*! True if patches that cLEAF represents badly are stored as cVERT (the setting fallback_faces). */
@@ -76,6 +84,6 @@ struct CompressionPlan {
 
 private:
   cbvh::Kind blockKind = cbvh::Kind::CGRID;
-  bool isCompressed;
+  bool isCompressed, areBlocksTiles;
 };
 } // namespace embree::isa

@@ -7,7 +7,7 @@
 #include "queries1.h"
 #include "top_level1.h"
 #include "../base/leaf_type.h"
-#include "../exact/intersector1.h"
+#include "../exact/tile_intersector1.h"
 #include "../paper/interface.h"
 
 namespace embree::isa {
@@ -43,6 +43,7 @@ public:
     const void* const prim = leaf.ref.leaf(type);
     switch (likelyType(type)) {
     case VERT_BLOCK: intersectVert(ray, context, state.vert, (const VertHeader*)prim); return top;
+    case TILE_BLOCK: intersectTile(ray, context, state.vert, (const VertHeader*)prim); return top;
     case MESH_BLOCK: intersectMesh(ray, context, state.vert, prim); return top;
     case FRAMED_BLOCK: return state.framed.intersect(ray, context, leaf.ref, leaf.entryT(), stack, top);
     }
@@ -58,6 +59,7 @@ public:
     const void* const prim = leaf.leaf(type);
     switch (likelyType(type)) {
     case VERT_BLOCK: return intersectVert(ray, context, state.vert, (const VertHeader*)prim);
+    case TILE_BLOCK: return intersectTile(ray, context, state.vert, (const VertHeader*)prim);
     case MESH_BLOCK: return intersectMesh(ray, context, state.vert, prim);
     case FRAMED_BLOCK: return state.framed.occluded(ray, context, prim);
     }

@@ -35,7 +35,8 @@ private:
     switch (BlockType(type)) {
     case VERT_BLOCK: return intersectMovingVert(ray, context, vert, (const VertHeader*)prim);
     case MESH_BLOCK: return intersectMovingMesh(ray, context, vert, prim);
-    case FRAMED_BLOCK: break; // never moves
+    case FRAMED_BLOCK:
+    case TILE_BLOCK: break; // never move
     }
     return false;
   }

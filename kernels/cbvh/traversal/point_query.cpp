@@ -102,7 +102,8 @@ private:
     if (!isBlock(type) || !embree::cbvh::isBlockValid(block, BlockType(type))) return false;
     switch (BlockType(type)) {
     case FRAMED_BLOCK: return false;
-    case VERT_BLOCK: return callForBlock((const VertHeader*)block);
+    case VERT_BLOCK:
+    case TILE_BLOCK: return callForBlock((const VertHeader*)block);
     case MESH_BLOCK: return callForBlock((const MeshHeader*)block);
     }
     return false;

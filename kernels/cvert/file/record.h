@@ -31,6 +31,7 @@ Reason validateBlock(BlockType type, const FileGeometry& record, const void* dat
   case FRAMED_BLOCK: return framed(record, data, bytes);
   case VERT_BLOCK: return validateVertBlock(record, data, bytes);
   case MESH_BLOCK: return validateMeshBlock(record, data, bytes);
+  case TILE_BLOCK: break; // not in files
   }
   return Reason::damaged("its type % is unknown", type);
 }
@@ -41,6 +42,7 @@ inline bool isKnownBlock(BlockType type, bool moves) {
   case FRAMED_BLOCK: return !moves;
   case VERT_BLOCK:
   case MESH_BLOCK: return true;
+  case TILE_BLOCK: return false;
   }
   return false;
 }

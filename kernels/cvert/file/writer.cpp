@@ -18,6 +18,12 @@ uint64_t FileSurface::append(FileChild type, const void* data, uint32_t bytes, u
   return begin | type;
 }
 
+const void* FileSurface::keep(const void* block, size_t bytes) {
+  kept.emplace_back(new char[bytes]);
+  std::memcpy(kept.back().get(), block, bytes);
+  return kept.back().get();
+}
+
 void FileSurface::appendToList(const void* data, uint32_t bytes) {
   if (record.form != FILE_LIST && record.form != FILE_MOVING)
     throw Error(ErrorCode::INVALID_ARGUMENT, "the surface's record has form " + std::to_string(record.form) +

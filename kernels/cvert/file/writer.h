@@ -40,9 +40,13 @@ public:
    *  bytes after it must be readable. */
   void appendToList(const void* block, uint32_t bytes);
 
+  /*! Returns a copy of a block that is valid as long as the surface, for append(). */
+  const void* keep(const void* block, size_t bytes);
+
 private:
   friend class FileWriter;
 
+  std::vector<std::unique_ptr<char[]>> kept;
   uint64_t blockBytes = 0;                  //!< of the blocks, with alignment
   uint32_t vertVersion = vertFormatVersion; //!< newest version of its blocks
 };

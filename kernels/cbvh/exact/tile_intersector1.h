@@ -1,0 +1,202 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Single-ray intersector of tiles: boxes of all leaves, then triangles of one or two leaves at a time, front to back.
+ * Candidates are found and tested by the same operations as in blocks (cvert/rule/rule.h), so that hits are equal. */
+
+#include "intersector1.h"
+#include "tile_block.h"
+
+namespace embree::isa::cbvh {
+/* Access to a triangle of a tile, for VertHitReporter. */
+
+__forceinline VertTriangle triangleOf(const TileBlock& tile, uint32_t g, uint32_t index) {
+  return tile.triangle(g, index);
+}
+
+/*! Bound of the rounding errors of distances to planes, in floatUlp, as slackUlps. Per distance: 1/2 for the difference
+ *  of origins, 1/2 for its product with the reciprocal, 1/2 for the slack's addition, 1/2 for the unit's product, 1 for
+ *  the plane (unfused), 3/2 for the reciprocal, twice; and 3/2 for the shear of vertices. */
+static constexpr float tileSlackUlps = 13.0f;
+
+/*! Boxes of the leaves that a ray may intersect. Leaf (column, row) is bit column + 4 row of masks. */
+class LeafBoxes {
+public:
+  __forceinline LeafBoxes(const VertRay& ray, const VertHeader* tile, float tnear, float tfar)
+    : vectors(int(tileParts(tile->region) * leavesPerPart) / vectorWidth) {
+    const uint8_t* const header = (const uint8_t*)tile;
+    const vfloat4 spacing(_mm_castsi128_ps(_mm_slli_epi32(extend8(loadFour(header + tileSpacingOffset)), 23)));
+    const vfloat4 steps(vint4(extend8(loadFour(header + tileBoxStepOffset))));
+    const vfloat4 unit = withoutFourth(steps * spacing);
+    const vfloat4 rcp = withoutFourth(vfloat4::loadu(ray.rcp)),
+                  distance = withoutFourth(vfloat4::loadu(tile->origin)) - withoutFourth(vfloat4::loadu(ray.org));
+    const vfloat4 largestUnit = max(max(shuffle<0>(unit), shuffle<1>(unit)), shuffle<2>(unit));
+    const vfloat4 slack =
+        vfloat4(tileSlackUlps * floatUlp) * (abs(distance) + vfloat4(float(maxBoxByte + 1)) * largestUnit) * abs(rcp);
+    const vfloat4 scale = unit * rcp, offset = distance * rcp;
+    alignas(16) float scales[4], nearOffset[4], farOffset[4];
+    vfloat4::store(scales, scale);
+    vfloat4::store(nearOffset, offset - slack);
+    vfloat4::store(farOffset, offset + slack);
+    const uint8_t* const planes = header + tileBoxesOffset(tile->info);
+    // products that overflow could be NaN
+    const bool isSafe = all(vfloat4(float(maxBoxByte + 1)) * abs(scale) + abs(offset) + slack < vfloat4(1e37f));
+    if (unlikely(!isSafe)) {
+      for (int j = 0; j < vectors; j++) enter[j] = vfloatV(tnear);
+      mask = ~0u >> (32 - vectorWidth * vectors);
+    } else {
+      vboolV hit[maxVectors];
+      for (int j = 0; j < maxVectors; j++) {
+        hit[j] = vboolV(false);
+        if (j >= vectors) continue;
+        const uint8_t* const part = planes + tilePartBytes * (uint32_t(j) * vectorWidth / leavesPerPart) +
+                                    uint32_t(j) * vectorWidth % leavesPerPart;
+        vfloatV from(tnear), to(tfar);
+        for (uint32_t k = 0; k < 3; k++) {
+          const uint32_t near = (ray.negativeAxes >> k) & 1u;
+          const vfloatV s(scales[k]);
+          from = max(from, madd(loadBytes(part + leavesPerPart * (2 * k + near)), s, vfloatV(nearOffset[k])));
+          to = min(to, madd(loadBytes(part + leavesPerPart * (2 * k + 1 - near)), s, vfloatV(farOffset[k])));
+        }
+        enter[j] = from;
+        hit[j] = from <= to;
+      }
+      mask = movemasks(hit);
+    }
+    if (unlikely((tile->region & 255u) != 255u)) mask &= tileLeaves(tile->region);
+  }
+
+  /*! Mask of leaves that the ray enters before tfar. */
+  __forceinline uint32_t enteredBefore(float tfar) const {
+    vboolV before[maxVectors];
+    for (int j = 0; j < maxVectors; j++) before[j] = j < vectors ? enter[j] <= vfloatV(tfar) : vboolV(false);
+    return movemasks(before);
+  }
+
+  uint32_t mask;
+
+private:
+  static const int maxVectors = 2 * int(leavesPerPart) / vectorWidth;
+
+  static __forceinline vfloatV loadBytes(const uint8_t* p) {
+#if defined(__AVX512F__)
+    return vfloatV(_mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p))));
+#elif defined(__AVX2__)
+    return vfloatV(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)p))));
+#elif defined(__AVX__)
+    return vfloatV(vfloat4(vint4(extend8(loadFour(p)))), vfloat4(vint4(extend8(loadFour(p + 4)))));
+#else
+    return vfloatV(vint4(extend8(loadFour(p))));
+#endif
+  }
+
+  const int vectors;
+  vfloatV enter[maxVectors];
+};
+
+/*! Reverses columns and rows of a mask of leaves: moves bit i to bit i ^ flip. See leafFlip. */
+__forceinline uint32_t flipLeaves(uint32_t mask, uint32_t flip) {
+  const uint32_t columns = 0u - (flip & 1u), rows = 0u - ((flip >> 2) & 1u);
+  uint32_t reversed = ((mask & 0x55555555u) << 1) | ((mask >> 1) & 0x55555555u);
+  reversed = ((reversed & 0x33333333u) << 2) | ((reversed >> 2) & 0x33333333u);
+  mask ^= (mask ^ reversed) & columns;
+  reversed = __builtin_bswap32(mask);
+  reversed = ((reversed & 0x0F0F0F0Fu) << 4) | ((reversed >> 4) & 0x0F0F0F0Fu);
+  return mask ^ ((mask ^ reversed) & rows);
+}
+
+/*! Triangles of leaves that a ray's line may pass through: bit q of a mask is quad q (column + 4 row) of the first
+ *  leaf, bit 8 + q of the second. */
+struct LeafTriangles {
+  uint32_t first, second;
+
+  __forceinline LeafTriangles(const VertRay& ray, const TileBlock& tile, const uint32_t leaves[tileLeavesAtOnce]) {
+    const int axes[3] = {ray.kx, ray.ky, ray.kz};
+    TileBlock::RowVectors rows[3];
+    tile.vertices(leaves, axes, rows);
+    const TileBlock::RowVectors z = rows[2] - ray.org[ray.kz];
+    const TileBlock::Corners cx((rows[0] - ray.org[ray.kx]).shear(ray.sx, z)),
+        cy((rows[1] - ray.org[ray.ky]).shear(ray.sy, z));
+    vboolV firsts[tileQuadVectors], seconds[tileQuadVectors];
+    for (int j = 0; j < tileQuadVectors; j++) {
+      const vfloatV *const x = cx.at[j], *const y = cy.at[j];
+      const vfloatV diag = edgeSide(x[1], y[1], x[2], y[2]);
+      firsts[j] = mayContain(diag, edgeSide(x[2], y[2], x[0], y[0]), edgeSide(x[0], y[0], x[1], y[1]));
+      seconds[j] = mayContain(edgeSide(x[1], y[1], x[3], y[3]), edgeSide(x[3], y[3], x[2], y[2]), -diag);
+    }
+    first = movemasks(firsts);
+    second = movemasks(seconds);
+  }
+};
+
+template<typename RayType>
+class TileIntersector1 {
+public:
+  /*! Returns true if a hit was accepted. As VertIntersector1::intersect. */
+  static __forceinline bool intersect(RayType& ray, IntersectContext* context, VertRay& vertRay,
+                                      const VertHeader* tile) {
+    vertRay.set(ray);
+    const LeafBoxes boxes(vertRay, tile, ray.tnear(), ray.tfar);
+    return boxes.mask != 0 && TileIntersector1(ray, context, vertRay, tile).run(boxes);
+  }
+
+private:
+  static const bool isAnyHit = IsAnyHit<RayType>::value;
+
+  __forceinline TileIntersector1(RayType& ray, IntersectContext* context, const VertRay& vertRay,
+                                 const VertHeader* header)
+    : ray(ray),
+      vertRay(vertRay),
+      tile(header),
+      hits(VertTarget1<RayType>{ray, context}, vertRay, vertRay.nearest, header, tile) {}
+
+  __forceinline bool run(const LeafBoxes& boxes) {
+    const uint32_t flip = isAnyHit ? 0 : leafFlip(tile.tile, vertRay.negativeAxes & 7u);
+    uint32_t rest = flipLeaves(boxes.mask, flip);
+    bool found = false;
+    while (rest) {
+      uint32_t leaves[2];
+      leaves[0] = popAny(rest) ^ flip;
+      const bool areTwo = tileLeavesAtOnce == 2 && rest;
+      leaves[1] = areTwo ? popAny(rest) ^ flip : leaves[0];
+      const LeafTriangles triangles(vertRay, tile, leaves);
+      if ((triangles.first | triangles.second) == 0) continue;
+      bool isHit = report(leaves[0], triangles.first & 255u, triangles.second & 255u);
+      if (isAnyHit && isHit) return true;
+      if (areTwo) isHit |= report(leaves[1], triangles.first >> 8, triangles.second >> 8);
+      if (!isHit) continue;
+      if (isAnyHit) return true;
+      found = true;
+      rest &= flipLeaves(boxes.enteredBefore(ray.tfar), flip);
+    }
+    return found;
+  }
+
+  /*! first, second: masks of the leaf's first and second triangles. */
+  __forceinline bool report(uint32_t leaf, uint32_t first, uint32_t second) {
+    if ((first | second) == 0) return false;
+    const uint32_t mask = (spread(first) | spread(second) << 1) << (leaf & 4u ? 16 : 0);
+    return hits.report((leaf & 3u) | ((leaf >> 3) << 2), TriangleMask{mask});
+  }
+
+  /*! Moves bit q, below 8, to bit 2q. */
+  static __forceinline uint32_t spread(uint32_t x) {
+    x = (x | (x << 4)) & 0x0F0Fu;
+    x = (x | (x << 2)) & 0x3333u;
+    return (x | (x << 1)) & 0x5555u;
+  }
+
+  RayType& ray;
+  const VertRay& vertRay;
+  const TileBlock tile;
+  VertHitReporter<VertTarget1<RayType>, TileBlock> hits;
+};
+
+/*! As intersectVert. */
+template<typename RayType>
+__noinline bool intersectTile(RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* tile) {
+  return TileIntersector1<RayType>::intersect(ray, context, vertRay, tile);
+}
+} // namespace embree::isa::cbvh

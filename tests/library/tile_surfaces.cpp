@@ -1,0 +1,176 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rays have the same hits in tiles as in the blocks of cVERT, to the bit, with every query: cages, also with stitched
+ * edges, holes, and vertices that are not finite; grids and meshes; at every precision; along axes, at vertices, and
+ * with directions of any length. */
+
+#include "support/diced_mesh.h"
+#include "support/odd_rays.h"
+#include "support/query_forms.h"
+#include "support/same_hits.h"
+
+#include <gtest/gtest.h>
+
+namespace programs::test { namespace {
+
+constexpr uint32_t seed = 91;
+
+class TileSurfaces : public testing::TestWithParam<const char*> {
+protected:
+  TileSurfaces() : device(std::string(GetParam())), random(seed) {}
+
+  void SetUp() override {
+    if (!device) GTEST_SKIP() << "this processor has no such instructions";
+  }
+
+  // The same scene in both forms.
+  template<typename Add>
+  void expectEqual(const std::vector<RTCRayHit>& rays, size_t minHits, const Add& add) {
+    expectEqual(device, rays, minHits, add);
+  }
+  template<typename Add>
+  static void expectEqual(Device& device, const std::vector<RTCRayHit>& rays, size_t minHits, const Add& add) {
+    Scene blocks(device), tiles(device);
+    add(blocks, RTC_COMPRESSION_CVERT);
+    add(tiles, RTC_COMPRESSION_CTILE);
+    rtcCommitScene(blocks);
+    rtcCommitScene(tiles);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_EQ(statisticsOf(tiles).numQuads, statisticsOf(blocks).numQuads);
+    const auto nodeBytes = [](RTCScene scene) { return statisticsOf(scene).nodeBytes; };
+    EXPECT_NE(nodeBytes(tiles), nodeBytes(blocks)) << "no tiles among " << statisticsOf(tiles).numQuads << " quads";
+    for (QueryForm form : allQueryForms)
+      for (bool any : {false, true}) {
+        SCOPED_TRACE(testing::Message() << nameOf(form) << (any ? ", any hit" : ""));
+        const std::vector<RTCRayHit> expected = QueryRun(blocks, form, any)(rays),
+                                     found = QueryRun(tiles, form, any)(rays);
+        size_t hits = 0;
+        for (size_t i = 0; i < rays.size(); i++) {
+          hits += any ? expected[i].ray.tfar < 0 : isHit(expected[i]);
+          ASSERT_EQ(std::memcmp(&expected[i], &found[i], sizeof(RTCRayHit)), 0)
+              << "ray " << i << ": distances " << expected[i].ray.tfar << " and " << found[i].ray.tfar
+              << ", primitives " << expected[i].hit.primID << " and " << found[i].hit.primID;
+        }
+        ASSERT_GE(hits, minHits);
+      }
+  }
+
+  void expectEqualCages(const Cage& cage, SurfaceSettings settings, const std::vector<RTCRayHit>& rays,
+                        size_t minHits) {
+    expectEqual(rays, minHits, [&](RTCScene scene, RTCCompression compression) {
+      settings.compression = compression;
+      addSurface(device, scene, cage, settings);
+    });
+  }
+
+  std::vector<RTCRayHit> rays(unsigned count = 3000) { return raysAt(random, count); }
+
+  Device device;
+  Random random;
+};
+
+TEST_P(TileSurfaces, CagesHaveTheHitsOfBlocks) {
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  const float precisions[] = {0.0f, 1e-7f, 1e-5f, 1e-3f};
+  for (const Cage& cage : {cubeCage(), prismCage(5), trapezohedronCage(7)})
+    for (float rate : {8.0f, 11.0f, 16.0f, 31.0f, 64.0f})
+      for (float maxError : precisions) {
+        if (maxError != 0 && rate != 31) continue;
+        SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, rate " << rate << ", error " << maxError);
+        settings.rate = rate;
+        settings.maxError = maxError;
+        ASSERT_NO_FATAL_FAILURE(expectEqualCages(cage, settings, rays(), 500));
+      }
+}
+
+TEST_P(TileSurfaces, StitchedEdgesHolesAndInvalidVertices) {
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  Cage cage = cubeCage();
+  for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(7 + 5 * (i % 7)));
+  ASSERT_NO_FATAL_FAILURE(expectEqualCages(cage, settings, rays(), 500));
+  cage.holes = {2};
+  ASSERT_NO_FATAL_FAILURE(expectEqualCages(cage, settings, rays(), 500));
+  settings.edgeRates.clear();
+  displacement.poison = [](unsigned primID, float u, float v) { return primID == 1 && u > 0.4f && v > 0.7f; };
+  ASSERT_NO_FATAL_FAILURE(expectEqual(rays(), 500, [&](RTCScene scene, RTCCompression compression) {
+    settings.compression = compression;
+    addSurface(device, scene, cage, settings);
+    rtcCommitScene(scene);
+    device.takeError(); // names the vertices
+  }));
+}
+
+TEST_P(TileSurfaces, LosslessVertices) {
+  Device lossless(std::string(GetParam()) + ",cbvh_max_error=0");
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  ASSERT_NO_FATAL_FAILURE(expectEqual(lossless, rays(), 500, [&](RTCScene scene, RTCCompression compression) {
+    settings.compression = compression;
+    addSurface(lossless, scene, cubeCage(), settings);
+  }));
+}
+
+TEST_P(TileSurfaces, LargeSmallAndFlatSurfaces) {
+  for (float scale : {1e-6f, 1.0f, 1e6f}) {
+    Displacement displacement;
+    displacement.scale = scale;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.rate = 20;
+    std::vector<RTCRayHit> scaled = rays();
+    for (RTCRayHit& r : scaled)
+      for (float* x : {&r.ray.org_x, &r.ray.org_y, &r.ray.org_z}) *x *= scale;
+    ASSERT_NO_FATAL_FAILURE(expectEqualCages(sheetCage(3), settings, scaled, 100));
+    displacement.amplitude = 0;
+    ASSERT_NO_FATAL_FAILURE(expectEqualCages(quadCage(), settings, scaled, 10));
+  }
+}
+
+TEST_P(TileSurfaces, RaysAtVerticesAndAlongAxes) {
+  Displacement displacement;
+  displacement.lattice = 1.0f / 256;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = 24;
+  settings.compression = RTC_COMPRESSION_CVERT;
+  std::vector<Vec> vertices; // near hits
+  for (const RTCRayHit& r : closestHits(SurfaceScene(device, cubeCage(), settings), rays(), QueryForm::Single))
+    if (isHit(r))
+      vertices.push_back({roundTo(r.ray.org_x + r.ray.tfar * r.ray.dir_x, 1.0 / 256),
+                          roundTo(r.ray.org_y + r.ray.tfar * r.ray.dir_y, 1.0 / 256),
+                          roundTo(r.ray.org_z + r.ray.tfar * r.ray.dir_z, 1.0 / 256)});
+  const std::vector<RTCRayHit> next = raysNextToVertices(random, vertices, 2000);
+  for (int exponent : oddExponents) {
+    SCOPED_TRACE(exponent);
+    ASSERT_NO_FATAL_FAILURE(
+        expectEqualCages(cubeCage(), settings, withDirections(next, std::ldexp(1.0f, exponent)), 1000));
+  }
+  std::vector<RTCRayHit> spoiled = next;
+  for (RTCRayHit& r : spoiled) spoil(r.ray, random);
+  ASSERT_NO_FATAL_FAILURE(expectEqualCages(cubeCage(), settings, spoiled, 0));
+}
+
+TEST_P(TileSurfaces, GridsAndMeshes) {
+  const Diced ball = dicedBall(2, 20);
+  const std::vector<RTCRayHit> gridRays = raysAt(random, ball, 2000);
+  ASSERT_NO_FATAL_FAILURE(expectEqual(gridRays, 1000, [&](RTCScene scene, RTCCompression compression) {
+    attach(scene, newGrids(device, ball, compression));
+  }));
+  for (QuadOrder order : allQuadOrders) {
+    if (order == QuadOrder::Recursive) continue; // requires powers of two
+    const DicedMesh mesh = meshOf(ball, order, random);
+    ASSERT_NO_FATAL_FAILURE(expectEqual(gridRays, 1000, [&](RTCScene scene, RTCCompression compression) {
+      attach(scene, newMesh(device, mesh, compression));
+    }));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Isa, TileSurfaces, testing::ValuesIn(std::vector<const char*>{TEST_ISAS}), nameOfIsa);
+
+}} // namespace programs::test
