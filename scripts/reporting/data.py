@@ -8,7 +8,7 @@ from pathlib import Path
 
 from . import records
 
-KINDS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
+KINDS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT", "cTILE")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 MAIN_SCENE = "trex"  # of the paper
 RAY_SETS = ("coherent", "incoherent")

@@ -22,10 +22,9 @@ TEST(Kinds, NumbersOfBlocksAndApiAreFixed) {
     const char *key, *name;
     bool hasFrame;
   } expected[] = {
-      {Kind::CGRID, 0, 2, "grid", "cGRID", true},
-      {Kind::CVOXEL, 1, 3, "voxel", "cVOXEL", true},
-      {Kind::CLEAF, 2, 4, "leaf", "cLEAF", true},
-      {Kind::CVERT, 3, 5, "vert", "cVERT", false},
+      {Kind::CGRID, 0, 2, "grid", "cGRID", true},  {Kind::CVOXEL, 1, 3, "voxel", "cVOXEL", true},
+      {Kind::CLEAF, 2, 4, "leaf", "cLEAF", true},  {Kind::CVERT, 3, 5, "vert", "cVERT", false},
+      {Kind::CTILE, 4, 6, "tile", "cTILE", false},
   };
   ASSERT_EQ(std::size(expected), numKinds);
   for (const auto& e : expected) {

@@ -12,9 +12,10 @@ namespace programs::test { namespace {
 
 using namespace embree::cbvh;
 
-TEST(KindsWithoutPaper, OnlyCvertIsAvailable) {
-  ASSERT_EQ(numKinds, 1u);
+TEST(KindsWithoutPaper, OnlyExactKindsAreAvailable) {
+  ASSERT_EQ(numKinds, 2u);
   EXPECT_EQ(kindDescriptions[0].kind, Kind::CVERT);
+  EXPECT_EQ(kindDescriptions[1].kind, Kind::CTILE);
 }
 
 // A record may name cLEAF although all blocks are cVERT, because of fallbackFaces. Reports must name the traced

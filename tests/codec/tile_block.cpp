@@ -5,6 +5,7 @@
  * tile.md describes them. */
 
 #include "kernels/cvert/decoder/decoded_block.h"
+#include "kernels/cvert/decoder/validate.h"
 #include "kernels/cvert/encoder/tile_conversion.h"
 #include "kernels/cvert/format/block_type.h"
 #include "codec/format_pages.h"
@@ -124,6 +125,7 @@ TEST(TileBlock, HasTheVerticesOfItsBlockAndBoxesAroundLeaves) {
           }
       }
     }
+    ASSERT_TRUE(bool(validateVert(tile->bytes, sizeof(tile->bytes)))) << "files do not contain tiles";
     // back to the same block
     again->used = blockOfTile(header, *encoder, again->bytes);
     ASSERT_EQ(again->used, block->used);

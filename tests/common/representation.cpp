@@ -70,14 +70,16 @@ TEST(Representation, NamesDoNotDependOnTheLocale) {
 }
 
 TEST(Representation, ListsContainTheLibrarysKinds) {
-  EXPECT_EQ(listOfRepresentations(",", " or "), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
-  EXPECT_EQ(defaultRepresentations(), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cvert");
+  EXPECT_EQ(listOfRepresentations(",", " or "),
+            "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only,cvert or ctile");
+  EXPECT_EQ(defaultRepresentations(), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cvert,ctile");
   const auto list = parseRepresentations(listOfRepresentations(","), autoFrameLevel);
   const std::vector<RTCCompression> compressions = {
-      RTC_COMPRESSION_NONE,   RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE,  RTC_COMPRESSION_CGRID,
-      RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT};
-  const std::vector<std::string> labels = {"NAIVE",  "NAIVE-compact", "GRID",       "cGRID",
-                                           "cVOXEL", "cLEAF",         "cLEAF-only", "cVERT"};
+      RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE,   RTC_COMPRESSION_NONE,
+      RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+      RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT,  RTC_COMPRESSION_CTILE};
+  const std::vector<std::string> labels = {"NAIVE", "NAIVE-compact", "GRID",  "cGRID", "cVOXEL",
+                                           "cLEAF", "cLEAF-only",    "cVERT", "cTILE"};
   ASSERT_EQ(list.size(), labels.size());
   for (size_t i = 0; i < list.size(); i++) {
     SCOPED_TRACE(labels[i]);
@@ -88,7 +90,7 @@ TEST(Representation, ListsContainTheLibrarysKinds) {
     EXPECT_EQ(list[i].hasFrames(), i > 2 && i < 7);
     EXPECT_EQ(list[i].label(), labels[i]);
   }
-  EXPECT_EQ(list.back().deviceConfig(), "subdiv_accel=cbvh.vert");
+  EXPECT_EQ(list.back().deviceConfig(), "subdiv_accel=cbvh.tile");
 }
 
 TEST(Representation, CompactTrianglesDifferByAFlagOfTheScene) {
@@ -100,7 +102,7 @@ TEST(Representation, CompactTrianglesDifferByAFlagOfTheScene) {
   EXPECT_EQ(list[0].sceneFlags(), RTC_SCENE_FLAG_NONE);
   EXPECT_EQ(list[1].sceneFlags(), RTC_SCENE_FLAG_COMPACT);
   EXPECT_EQ(list[2].sceneFlags(), RTC_SCENE_FLAG_NONE);
-  EXPECT_EQ(meshRepresentations(), "grid,naive-compact,cvert");
+  EXPECT_EQ(meshRepresentations(), "grid,naive-compact,cvert,ctile");
 }
 
 // The programs' labels name what the user asked for. The library stores other blocks, or none, if the surface moves.
@@ -110,9 +112,9 @@ TEST(Representation, NamesWhatReplacesItInMotion) {
   EXPECT_EQ(motionWarnings(model, all), "") << "a static model";
   model.poses.resize(1);
   const std::string warnings = motionWarnings(model, all);
-  EXPECT_TRUE(containsInOrder(
-      warnings, {"cgrid ", "cVERT", "\ncvoxel ", "cVERT", "\ncleaf ", "cVERT", "\ncleaf-only ", "GRID", "\n"}));
-  EXPECT_EQ(std::count(warnings.begin(), warnings.end(), '\n'), 4) << warnings;
+  EXPECT_TRUE(containsInOrder(warnings, {"cgrid ", "cVERT", "\ncvoxel ", "cVERT", "\ncleaf ", "cVERT", "\ncleaf-only ",
+                                         "GRID", "\nctile ", "cVERT", "\n"}));
+  EXPECT_EQ(std::count(warnings.begin(), warnings.end(), '\n'), 5) << warnings;
   EXPECT_EQ(motionWarnings(model, parseRepresentations("naive,naive-compact,grid,cvert", autoFrameLevel)), "");
 }
 

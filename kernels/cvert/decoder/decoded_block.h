@@ -26,7 +26,7 @@ public:
       block(block),
       layout(vertLayout(block->region, block->info)),
       view(viewOfStep(block, layout, step)) {
-    if (isTile(view.info)) decodeTile();
+    if (isTile(block->info)) decodeTile();
     else if (isRaw(view.info))
       std::memcpy(vertices, view.data + view.vertices, sizeof(vertices[0]) * (quadsX + 1) * (quadsY + 1));
     else decode();

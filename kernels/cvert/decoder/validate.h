@@ -8,6 +8,7 @@
 
 #include "../portable/reason.h"
 #include "../format/motion.h"
+#include "../format/tile.h"
 
 namespace cvert { inline namespace CVERT_ISA {
 /*! True if a patch may begin at these face parameters, in halves. Faces with four corners begin at 0. Embree places
@@ -69,6 +70,7 @@ private:
   /*! end: receives the end of the step, in bytes from the start of the block. */
   static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end) {
     end = layout.rawBytes;
+    if (isTile(header.info)) return Reason::unsupported("it is a tile: expected a block");
     if (isRaw(header.info))
       return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %", bytes, end) : Reason();
     if (const Reason reason = validateFirstCell(header.word, header.corners)) return reason;
