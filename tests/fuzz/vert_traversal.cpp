@@ -62,6 +62,7 @@ size_t blockBytes(const uint8_t* data, size_t size) {
     }
   }
   if (tableEnd > size) return 0;
+  if (isTile(header.info)) return 0;
   if (isRaw(header.info)) return layout.rawBytes <= size ? std::max(size_t(layout.rawBytes), tableEnd) : 0;
   size_t bytes = layout.cell + cellBytes(header.word);
   if (bytes > size) return 0;
