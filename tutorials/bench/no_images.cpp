@@ -30,8 +30,8 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
   rejectImage(paths.front());
 }
 HeightTexture::~HeightTexture() = default;
-Vec2f HeightTexture::size(unsigned) const { return {0, 0}; }
 bool HeightTexture::looksLikeNormals() const { return false; }
+void HeightTexture::texels(unsigned, int, int, int, float*) const {}
 void HeightTexture::sample(unsigned, float, float, float, float, float*) const {}
 
 void writePng(const std::string& path, const Image&) { rejectImage(path); }
