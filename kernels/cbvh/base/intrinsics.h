@@ -3,10 +3,12 @@
 
 #pragma once
 
-/* Macros for intrinsics that not all instruction sets provide, and two functions that Embree's vector types lack. On
+/* Macros for intrinsics that not all instruction sets provide, and functions that Embree's vector types lack. On
  * ARM64, Embree implements the intrinsics of SSE4.1 with NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
+#include <cstdint>
+#include <cstring>
 
 /*! _mm_shuffle_epi8, _mm_mullo_epi32 and _mm_insert_epi32 are available. */
 #if defined(__SSE4_1__) || defined(__ARM_NEON)
@@ -36,6 +38,17 @@ __forceinline __m128 dropFirstAndAppend(__m128 a, __m128 b) {
 #else
   return _mm_shuffle_ps(a, _mm_shuffle_ps(a, b, _MM_SHUFFLE(i, i, 3, 3)), _MM_SHUFFLE(2, 0, 2, 1));
 #endif
+}
+
+/*! Extends the lower 8 or 16 bits of each of the first lanes with zeros, to 32 bits. */
+__forceinline __m128i extend16(__m128i x) { return _mm_unpacklo_epi16(x, _mm_setzero_si128()); }
+__forceinline __m128i extend8(__m128i x) { return extend16(_mm_unpacklo_epi8(x, _mm_setzero_si128())); }
+
+/*! Loads 4 bytes, which need not be aligned. */
+__forceinline __m128i loadFour(const uint8_t* p) {
+  int bits;
+  memcpy(&bits, p, sizeof(bits));
+  return _mm_cvtsi32_si128(bits);
 }
 
 /*! Concatenates masks of at most 32 lanes in total: bit Mask::size*j + i of the result is lane i of masks[j]. */

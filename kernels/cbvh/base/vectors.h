@@ -7,6 +7,7 @@
  * fused exactly where the code says so, because compilers could fuse differently in different places. */
 
 #include "codec_names.h"
+#include "intrinsics.h"
 #include "../../cvert/rule/reciprocal.h"
 #include "../embree/simd.h"
 
@@ -48,6 +49,19 @@ static const int vectorWidth = 4;
 typedef vfloat<vectorWidth> vfloatV;
 typedef vint<vectorWidth> vintV;
 typedef vboolf<vectorWidth> vboolV;
+
+/*! Loads a byte per lane, and no further bytes. */
+__forceinline vintV loadBytes(const uint8_t* p) {
+#if defined(__AVX512F__)
+  return vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p)));
+#elif defined(__AVX2__)
+  return vintV(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)p)));
+#elif defined(__AVX__)
+  return vintV(vint4(extend8(loadFour(p))), vint4(extend8(loadFour(p + 4))));
+#else
+  return vintV(extend8(loadFour(p)));
+#endif
+}
 
 /*! Replaces the fourth lane, which is not used, by the first: it might contain 0 or a denormal number, for which
  *  programs may trap. */

@@ -107,14 +107,6 @@ private:
     return out;
   }
 
-  static __forceinline vintV loadBytes(const uint8_t* p) {
-#if defined(__AVX512F__)
-    return vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p)));
-#else
-    return vintV::load((const unsigned char*)p);
-#endif
-  }
-
   const uint32_t info;
   const uint8_t* margins;
   const VertLayout& layout;

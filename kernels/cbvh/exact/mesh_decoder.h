@@ -315,18 +315,6 @@ protected:
     }
   }
 
-  static __forceinline vintV loadBytes(const uint8_t* p) {
-#if defined(__AVX512F__)
-    return vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p)));
-#elif defined(__AVX2__)
-    return vintV(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)p)));
-#else
-    alignas(64) int lanes[vectorWidth];
-    for (int i = 0; i < vectorWidth; i++) lanes[i] = p[i];
-    return vintV::load(lanes);
-#endif
-  }
-
   /*! Bit lengths of bytes: 0 for 0, 8 for 128 to 255. */
   static __forceinline __m128i bitLengthsOf(__m128i bytes) {
 #if defined(__SSSE3__)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Access to a tile (cvert/format/tile.h) with vector instructions, without a cache: the boxes of its leaves, the
- * vertices of a leaf or two, and those of a triangle. Vertices are the same floats as tileVertex() returns. */
+/* Access to a tile (cvert/format/tile.h) with vector instructions, without a cache: the vertices of a leaf or two, and
+ * those of a triangle. Vertices are the same floats as tileVertex() returns. */
 
 #include "../base/codec_names.h"
 #include "../base/intrinsics.h"
@@ -36,16 +36,6 @@ __forceinline vintV joinParts(const __m128i (&parts)[tilePartsOfVector]) {
 #endif
 }
 
-/*! The lower halves of the parts, 16 bits per lane, extended with zeros. */
-__forceinline __m128i extend16(__m128i x) { return _mm_unpacklo_epi16(x, _mm_setzero_si128()); }
-__forceinline __m128i extend8(__m128i x) { return extend16(_mm_unpacklo_epi8(x, _mm_setzero_si128())); }
-
-__forceinline __m128i loadFour(const uint8_t* p) {
-  int bits;
-  memcpy(&bits, p, sizeof(bits));
-  return _mm_cvtsi32_si128(bits);
-}
-
 /*! Moves 3 bytes to each lane. Reads 16 bytes. */
 __forceinline __m128i loadTriples(const uint8_t* p) {
 #if defined(CBVH_SSE41_INTEGERS)
@@ -55,6 +45,11 @@ __forceinline __m128i loadTriples(const uint8_t* p) {
   return _mm_unpacklo_epi64(_mm_unpacklo_epi32(loadFour(p), loadFour(p + 3)),
                             _mm_unpacklo_epi32(loadFour(p + 6), loadFour(p + 9)));
 #endif
+}
+
+/*! Spacings on x, y and z. The fourth lane is undefined. */
+__forceinline vfloat4 spacingsOfTile(const VertHeader* tile) {
+  return vfloat4(_mm_castsi128_ps(_mm_slli_epi32(extend8(loadFour((const uint8_t*)tile + tileSpacingOffset)), 23)));
 }
 
 class TileBlock {
@@ -128,8 +123,7 @@ public:
     store16(tileSlopeXOffset, slopeX);
     store16(tileSlopeYOffset, slopeY);
     store16(tileBaseOffset, base);
-    vfloat4::store(spacing,
-                   vfloat4(_mm_castsi128_ps(_mm_slli_epi32(extend8(loadFour(header + tileSpacingOffset)), 23))));
+    vfloat4::store(spacing, spacingsOfTile(tile));
     const uint32_t bits = tile->word;
     shift[0] = 0;
     shift[1] = bits & 31u;
@@ -162,17 +156,14 @@ public:
       return VertTriangle(v);
     }
     const uint32_t stride = min(bytes, 4u);
-    const __m128i low = fields(loadFour(data + stride * a), loadFour(data + stride * b), loadFour(data + stride * c));
+    const vint4 low = fields(loadFour(data + stride * a), loadFour(data + stride * b), loadFour(data + stride * c));
     const vfloat4 column = vfloat4(float(x)) + vfloat4(0.0f, 1.0f, float(second), 0.0f),
                   line = vfloat4(float(y)) + vfloat4(float(second), 0.0f, 1.0f, float(second));
     for (int k = 0; k < 3; k++) {
-      __m128i residual = _mm_srl_epi32(low, _mm_cvtsi32_si128(int(shift[k])));
-      if (unlikely(bytes == 5))
-        residual = _mm_or_si128(residual, _mm_sll_epi32(_mm_setr_epi32(high[a], high[b], high[c], high[a]),
-                                                        _mm_cvtsi32_si128(int(topShift[k]))));
-      residual = _mm_and_si128(residual, _mm_set1_epi32(int(mask[k])));
-      const vfloat4 coordinate =
-          vfloat4(vint4(residual)) + madd(column, vfloat4(slopeX[k]), madd(line, vfloat4(slopeY[k]), vfloat4(base[k])));
+      vint4 residual = srl(low, int(shift[k]));
+      if (unlikely(bytes == 5)) residual = residual | sll(vint4(high[a], high[b], high[c], high[a]), int(topShift[k]));
+      const vfloat4 coordinate = vfloat4(residual & vint4(int(mask[k]))) +
+                                 madd(column, vfloat4(slopeX[k]), madd(line, vfloat4(slopeY[k]), vfloat4(base[k])));
       v[k] = madd(coordinate, vfloat4(spacing[k]), vfloat4(tile->origin[k]));
     }
     return VertTriangle(v);
@@ -206,7 +197,7 @@ private:
   }
 
   /*! Fields of three vertices. Bits above a field are undefined. */
-  static __forceinline __m128i fields(__m128i a, __m128i b, __m128i c) {
+  static __forceinline vint4 fields(__m128i a, __m128i b, __m128i c) {
     return _mm_unpacklo_epi64(_mm_unpacklo_epi32(a, b), c);
   }
 
@@ -254,8 +245,8 @@ private:
 #endif
       const vintV used(int(mask[k]));
       for (int n = 0; n < rowVectors; n++) {
-        vintV residual = shiftRight(low[n], shift[k]);
-        if (unlikely(hasTop)) residual = residual | shiftLeft(top[n], topShift[k]);
+        vintV residual = srl(low[n], int(shift[k]));
+        if (unlikely(hasTop)) residual = residual | sll(top[n], int(topShift[k]));
         out[i].at[n] = madd(vfloatV(residual & used) + predicted[n], scale, origin);
       }
     }
@@ -293,32 +284,6 @@ private:
       vfloatV::store(offset[0][k], madd(column, dx, first));
 #endif
     }
-  }
-
-  static __forceinline vintV shiftRight(const vintV& x, uint32_t bits) {
-#if defined(__AVX512F__)
-    return _mm512_srl_epi32(x, _mm_cvtsi32_si128(int(bits)));
-#elif defined(__AVX2__)
-    return _mm256_srl_epi32(x, _mm_cvtsi32_si128(int(bits)));
-#elif defined(__AVX__)
-    return vintV(vint4(_mm_srl_epi32(x.vl, _mm_cvtsi32_si128(int(bits)))),
-                 vint4(_mm_srl_epi32(x.vh, _mm_cvtsi32_si128(int(bits)))));
-#else
-    return vintV(_mm_srl_epi32(x, _mm_cvtsi32_si128(int(bits))));
-#endif
-  }
-
-  static __forceinline vintV shiftLeft(const vintV& x, uint32_t bits) {
-#if defined(__AVX512F__)
-    return _mm512_sll_epi32(x, _mm_cvtsi32_si128(int(bits)));
-#elif defined(__AVX2__)
-    return _mm256_sll_epi32(x, _mm_cvtsi32_si128(int(bits)));
-#elif defined(__AVX__)
-    return vintV(vint4(_mm_sll_epi32(x.vl, _mm_cvtsi32_si128(int(bits)))),
-                 vint4(_mm_sll_epi32(x.vh, _mm_cvtsi32_si128(int(bits)))));
-#else
-    return vintV(_mm_sll_epi32(x, _mm_cvtsi32_si128(int(bits))));
-#endif
   }
 
   const uint32_t bytes, row;

@@ -27,9 +27,8 @@ public:
   __forceinline LeafBoxes(const VertRay& ray, const VertHeader* tile, float tnear, float tfar)
     : vectors(int(tileParts(tile->region) * leavesPerPart) / vectorWidth) {
     const uint8_t* const header = (const uint8_t*)tile;
-    const vfloat4 spacing(_mm_castsi128_ps(_mm_slli_epi32(extend8(loadFour(header + tileSpacingOffset)), 23)));
     const vfloat4 steps(vint4(extend8(loadFour(header + tileBoxStepOffset))));
-    const vfloat4 unit = withoutFourth(steps * spacing);
+    const vfloat4 unit = withoutFourth(steps * spacingsOfTile(tile));
     const vfloat4 rcp = withoutFourth(vfloat4::loadu(ray.rcp)),
                   distance = withoutFourth(vfloat4::loadu(tile->origin)) - withoutFourth(vfloat4::loadu(ray.org));
     const vfloat4 largestUnit = max(max(shuffle<0>(unit), shuffle<1>(unit)), shuffle<2>(unit));
@@ -57,8 +56,8 @@ public:
         for (uint32_t k = 0; k < 3; k++) {
           const uint32_t near = (ray.negativeAxes >> k) & 1u;
           const vfloatV s(scales[k]);
-          from = max(from, madd(loadBytes(part + leavesPerPart * (2 * k + near)), s, vfloatV(nearOffset[k])));
-          to = min(to, madd(loadBytes(part + leavesPerPart * (2 * k + 1 - near)), s, vfloatV(farOffset[k])));
+          from = max(from, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + near))), s, vfloatV(nearOffset[k])));
+          to = min(to, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + 1 - near))), s, vfloatV(farOffset[k])));
         }
         enter[j] = from;
         hit[j] = from <= to;
@@ -79,18 +78,6 @@ public:
 
 private:
   static const int maxVectors = 2 * int(leavesPerPart) / vectorWidth;
-
-  static __forceinline vfloatV loadBytes(const uint8_t* p) {
-#if defined(__AVX512F__)
-    return vfloatV(_mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p))));
-#elif defined(__AVX2__)
-    return vfloatV(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)p))));
-#elif defined(__AVX__)
-    return vfloatV(vfloat4(vint4(extend8(loadFour(p)))), vfloat4(vint4(extend8(loadFour(p + 4)))));
-#else
-    return vfloatV(vint4(extend8(loadFour(p))));
-#endif
-  }
 
   const int vectors;
   vfloatV enter[maxVectors];
@@ -121,10 +108,9 @@ struct LeafTriangles {
         cy((rows[1] - ray.org[ray.ky]).shear(ray.sy, z));
     vboolV firsts[tileQuadVectors], seconds[tileQuadVectors];
     for (int j = 0; j < tileQuadVectors; j++) {
-      const vfloatV *const x = cx.at[j], *const y = cy.at[j];
-      const vfloatV diag = edgeSide(x[1], y[1], x[2], y[2]);
-      firsts[j] = mayContain(diag, edgeSide(x[2], y[2], x[0], y[0]), edgeSide(x[0], y[0], x[1], y[1]));
-      seconds[j] = mayContain(edgeSide(x[1], y[1], x[3], y[3]), edgeSide(x[3], y[3], x[2], y[2]), -diag);
+      const QuadSides sides(cx.at[j], cy.at[j]);
+      firsts[j] = sides.mayContainFirst();
+      seconds[j] = sides.mayContainSecond();
     }
     first = movemasks(firsts);
     second = movemasks(seconds);
@@ -177,15 +163,8 @@ private:
   /*! first, second: masks of the leaf's first and second triangles. */
   __forceinline bool report(uint32_t leaf, uint32_t first, uint32_t second) {
     if ((first | second) == 0) return false;
-    const uint32_t mask = (spread(first) | spread(second) << 1) << (leaf & 4u ? 16 : 0);
+    const uint32_t mask = (everySecondBit(first) | everySecondBit(second) << 1) << (leaf & 4u ? 16 : 0);
     return hits.report((leaf & 3u) | ((leaf >> 3) << 2), TriangleMask{mask});
-  }
-
-  /*! Moves bit q, below 8, to bit 2q. */
-  static __forceinline uint32_t spread(uint32_t x) {
-    x = (x | (x << 4)) & 0x0F0Fu;
-    x = (x | (x << 2)) & 0x3333u;
-    return (x | (x << 1)) & 0x5555u;
   }
 
   RayType& ray;

@@ -97,6 +97,30 @@ private:
   float vertices[3][3]; //!< [axis][vertex]
 };
 
+/*! Sides of the edges of quads, one quad per lane. */
+struct QuadSides {
+  vfloatV diag, left, bottom, right, top;
+
+  /*! x, y: sheared vertices at corner c (column + 2 row). */
+  __forceinline QuadSides(const vfloatV x[4], const vfloatV y[4])
+    : diag(edgeSide(x[1], y[1], x[2], y[2])),
+      left(edgeSide(x[2], y[2], x[0], y[0])),
+      bottom(edgeSide(x[0], y[0], x[1], y[1])),
+      right(edgeSide(x[1], y[1], x[3], y[3])),
+      top(edgeSide(x[3], y[3], x[2], y[2])) {}
+
+  __forceinline vboolV mayContainFirst() const { return mayContain(diag, left, bottom); }
+  __forceinline vboolV mayContainSecond() const { return mayContain(right, top, -diag); }
+};
+
+/*! Moves bit q, below 16, to bit 2q. */
+__forceinline uint32_t everySecondBit(uint32_t x) {
+  x = (x | (x << 8)) & 0x00FF00FFu;
+  x = (x | (x << 4)) & 0x0F0F0F0Fu;
+  x = (x | (x << 2)) & 0x33333333u;
+  return (x | (x << 1)) & 0x55555555u;
+}
+
 /*! Triangles of a group that a ray's line may pass through. */
 class GroupTriangles {
 public:
@@ -116,23 +140,19 @@ public:
         x[c] = cornersX.at(j, c);
         y[c] = cornersY.at(j, c);
       }
-      const vfloatV diag = edgeSide(x[1], y[1], x[2], y[2]);
-      const vfloatV left = edgeSide(x[2], y[2], x[0], y[0]);
-      const vfloatV bottom = edgeSide(x[0], y[0], x[1], y[1]);
-      const vfloatV right = edgeSide(x[1], y[1], x[3], y[3]);
-      const vfloatV top = edgeSide(x[3], y[3], x[2], y[2]);
-      first[j] = mayContain(diag, left, bottom);
-      second[j] = mayContain(right, top, -diag);
-      halves[0].set(j, diag, left, bottom);
-      halves[1].set(j, right, top, -diag);
+      const QuadSides sides(x, y);
+      first[j] = sides.mayContainFirst();
+      second[j] = sides.mayContainSecond();
+      halves[0].set(j, sides.diag, sides.left, sides.bottom);
+      halves[1].set(j, sides.right, sides.top, -sides.diag);
     }
     const uint32_t firstMask = movemasks(first), secondMask = movemasks(second);
     const uint32_t candidateMask = firstMask | (secondMask << 16);
     if (candidateMask == 0) return;
     const uint32_t lowest = uint32_t(bsf(candidateMask));
     const bool isSingle = (candidateMask & (candidateMask - 1)) == 0;
-    mask =
-        likely(isSingle) ? 1u << (2 * (lowest & 15u) + (lowest >> 4)) : spread(firstMask) | (spread(secondMask) << 1);
+    mask = likely(isSingle) ? 1u << (2 * (lowest & 15u) + (lowest >> 4))
+                            : everySecondBit(firstMask) | (everySecondBit(secondMask) << 1);
   }
 
 private:
@@ -146,14 +166,6 @@ private:
   static __forceinline CellVector shearToRay(const CellVector& x, float shear, const CellVector& z) {
     const vfloatV s(shear);
     return CellVector::combine(x, z, [&](const vfloatV& x, const vfloatV& z) { return nmadd(s, z, x); });
-  }
-
-  /*! Moves bit q to bit 2q. */
-  static __forceinline uint32_t spread(uint32_t x) {
-    x = (x | (x << 8)) & 0x00FF00FFu;
-    x = (x | (x << 4)) & 0x0F0F0F0Fu;
-    x = (x | (x << 2)) & 0x33333333u;
-    return (x | (x << 1)) & 0x55555555u;
   }
 };
 

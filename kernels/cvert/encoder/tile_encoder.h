@@ -37,12 +37,11 @@ public:
         isOnLattice && bitsOfAll <= 8 * maxTileVertexBytes ? std::max((bitsOfAll + 7) / 8, 2u) : tileFloatBytes;
     for (int k = 0; k < 3; k++)
       if (!(bytesPerVertex == tileFloatBytes ? setFloatBoxes(vertices, k) : setBoxes(vertices, k))) return 0;
-    writeHeader(vertices, placement, tile);
+    writeHeader(placement, tile);
     uint8_t* const data = tile + tileVerticesOffset(region, ((VertHeader*)tile)->info);
     if (bytesPerVertex == tileFloatBytes) writeFloats(vertices, data);
     else writeResiduals(vertices, data);
-    const uint32_t end = tileEnd(region, ((VertHeader*)tile)->info, bytesPerVertex);
-    return end;
+    return tileEnd(region, ((VertHeader*)tile)->info, bytesPerVertex);
   }
 
 private:
@@ -147,7 +146,7 @@ private:
     }
   }
 
-  void writeHeader(const BlockVertices& vertices, const VertPlacement& placement, uint8_t* tile) const {
+  void writeHeader(const VertPlacement& placement, uint8_t* tile) const {
     VertHeader& header = *(VertHeader*)tile;
     const uint32_t info = placement.info() | tileInfo, boxes = tileBoxesOffset(info);
     memset(tile, 0, boxes);

@@ -156,8 +156,7 @@ inline uint32_t vertStepSize(const VertStep* step, uint32_t region) {
 
 /*! Size of a valid block in bytes, with all steps and the table of numbers, without padding. */
 inline uint32_t vertBytes(const VertHeader* block) {
-  if (hasPrimIDs(block->info) && (haveTable(block->patchQuads) || haveTrianglePairs(block->patchQuads)))
-    return endOfNumbers(block, 0);
+  if (const uint32_t end = endOfNumbers(block, 0)) return end;
   if (!isMoving(block->info)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block, motionOf(block).numSteps - 1);
   return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last, block->region);
