@@ -53,7 +53,7 @@ private:
 
   /*! Files store the tile's vertices as a block. */
   uint64_t tile(const VertHeader* tile) {
-    uint8_t block[maxBlockBytesOfTile];
+    alignas(blockAlignment) uint8_t block[maxBlockBytesOfTile];
     const size_t bytes = blockOfTile(tile, encoder, block);
     return to.append(FILE_VERT, to.keep(block, bytes), uint32_t(bytes), offsetof(VertHeader, surface));
   }

@@ -19,7 +19,7 @@ uint64_t FileSurface::append(FileChild type, const void* data, uint32_t bytes, u
 }
 
 const void* FileSurface::keep(const void* block, size_t bytes) {
-  kept.emplace_back(new char[bytes]);
+  kept.emplace_back(new char[bytes + vertReadPadding]());
   std::memcpy(kept.back().get(), block, bytes);
   return kept.back().get();
 }

@@ -40,7 +40,8 @@ public:
    *  bytes after it must be readable. */
   void appendToList(const void* block, uint32_t bytes);
 
-  /*! Returns a copy of a block that is valid as long as the surface, for append(). */
+  /*! Returns a copy of a block that is valid as long as the surface, for append(). Readers of blocks may read
+   *  vertReadPadding bytes after it. */
   const void* keep(const void* block, size_t bytes);
 
 private:
