@@ -106,8 +106,9 @@ static void reportCompression(Scene* scene, bool moves) {
     Lock<MutexSys> lock(g_printMutex);
     std::cerr << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
     const bool isCage = geometry->ownType == Geometry::GTY_SUBDIV_MESH;
-    if ((moves || !isCage) && !(cbvh::isExact(settings.compression) && !moves) &&
-        settings.compression != RTC_COMPRESSION_CVERT)
+    const bool isKept =
+        moves ? settings.compression == RTC_COMPRESSION_CVERT : isCage || cbvh::isExact(settings.compression);
+    if (!isKept)
       std::cerr << " requested, but it " << (moves ? "has motion blur" : "is a grid or mesh") << ": "
                 << compressionName(RTC_COMPRESSION_CVERT);
     else if (!cbvh::isExact(settings.compression)) { // which have no frames

@@ -285,8 +285,10 @@ private:
     CommitLine line;
     for (const Surface& surface : surfaces) {
       const CompressionPlan& plan = surface.plan;
+      const bool hasTiles = (surface.blocks->types >> cbvh::TILE_BLOCK) & 1u;
       if (plan.compresses())
-        line.addCompressed(surface.geometry, surface.geomID, plan.kindOfMessages(), surface.blocks->statistics);
+        line.addCompressed(surface.geometry, surface.geomID, hasTiles ? cbvh::Kind::CTILE : plan.kind(),
+                           surface.blocks->statistics);
       else line.addUncompressed(surface.geometry);
     }
     const bool listsOthers = !doesOtherBuilderReport();

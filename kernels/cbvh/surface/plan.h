@@ -42,9 +42,6 @@ struct CompressionPlan {
   /*! True if cVERT blocks become tiles. */
   bool makesTiles() const { return areBlocksTiles; }
 
-  /*! Kind of the blocks, for messages: cTILE even if only some of them are tiles. */
-  cbvh::Kind kindOfMessages() const { return makesTiles() ? cbvh::Kind::CTILE : kind(); }
-
   /*! Kind of the blocks, CVERT for tiles. Meaningless unless compresses(). */
   cbvh::Kind kind() const { return blockKind; }
 
