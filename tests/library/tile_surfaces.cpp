@@ -9,6 +9,7 @@
 #include "support/odd_rays.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
+#include "support/saved.h"
 
 #include <gtest/gtest.h>
 
@@ -162,12 +163,72 @@ TEST_P(TileSurfaces, GridsAndMeshes) {
   ASSERT_NO_FATAL_FAILURE(expectEqual(gridRays, 1000, [&](RTCScene scene, RTCCompression compression) {
     attach(scene, newGrids(device, ball, compression));
   }));
-  for (QuadOrder order : allQuadOrders) {
-    if (order == QuadOrder::Recursive) continue; // requires powers of two
+  for (QuadOrder order : {QuadOrder::Rows, QuadOrder::Shuffled}) {
     const DicedMesh mesh = meshOf(ball, order, random);
     ASSERT_NO_FATAL_FAILURE(expectEqual(gridRays, 1000, [&](RTCScene scene, RTCCompression compression) {
       attach(scene, newMesh(device, mesh, compression));
     }));
+  }
+}
+
+// Files contain blocks: as many bytes as those of cVERT, and the same hits.
+TEST_P(TileSurfaces, FilesContainBlocks) {
+  const Folder folder;
+  const Diced ball = dicedBall(2, 20);
+  const DicedMesh mesh = meshOf(ball, QuadOrder::Shuffled, random);
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = 37;
+  const std::function<RTCGeometry(RTCCompression)> makers[] = {
+      [&](RTCCompression compression) {
+        settings.compression = compression;
+        return newSurface(device, cubeCage(), settings);
+      },
+      [&](RTCCompression compression) { return newGrids(device, ball, compression); },
+      [&](RTCCompression compression) { return newMesh(device, mesh, compression); }};
+  for (const auto& make : makers) {
+    const std::string tiles = folder / "tiles", blocks = folder / "blocks";
+    Scene traced(device), loaded(device);
+    for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE}) {
+      const RTCGeometry geometry = make(compression);
+      Scene scene(device); // compresses the geometry
+      rtcAttachGeometry(scene, geometry);
+      rtcCommitScene(scene);
+      const bool areTiles = compression == RTC_COMPRESSION_CTILE;
+      ASSERT_TRUE(saveGeometryFile(geometry, (areTiles ? tiles : blocks).c_str())) << cbvhGetErrorText();
+      if (areTiles) rtcAttachGeometry(traced, geometry);
+      rtcReleaseGeometry(geometry);
+    }
+    EXPECT_EQ(bytesOf(tiles).size(), bytesOf(blocks).size());
+    attach(loaded, loadGeometryFile(device, tiles.c_str()));
+    rtcCommitScene(traced);
+    rtcCommitScene(loaded);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const std::vector<RTCRayHit> some = rays(), expected = closestHits(traced, some, QueryForm::Single),
+                                 found = closestHits(loaded, some, QueryForm::Single);
+    size_t hits = 0;
+    for (size_t i = 0; i < some.size(); i++) {
+      hits += isHit(expected[i]);
+      ASSERT_EQ(std::memcmp(&expected[i], &found[i], sizeof(RTCRayHit)), 0) << "ray " << i;
+    }
+    EXPECT_GT(hits, 500u);
+  }
+}
+
+// The line of a commit names what is stored: blocks of few quads do not become tiles.
+TEST_P(TileSurfaces, MessagesNameWhatIsStored) {
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_CTILE;
+  for (float rate : {4.0f, 16.0f}) {
+    Device verbose(std::string(GetParam()) + ",verbose=1");
+    settings.rate = rate;
+    testing::internal::CaptureStderr();
+    SurfaceScene scene(verbose, cubeCage(), settings);
+    const std::string line = testing::internal::GetCapturedStderr();
+    EXPECT_NE(line.find(rate == 4 ? "1 subdivision surface as cVERT: " : "1 subdivision surface as cTILE: "),
+              std::string::npos)
+        << line;
   }
 }
 
