@@ -88,6 +88,7 @@ public:
   void clear() {
     buildIDsInTree.clear();
     bvh->set(BVH4::emptyNode, empty, 0);
+    wideNodes().clear();
   }
 
   void build() {
@@ -111,7 +112,7 @@ public:
       if (surface.plan.compresses()) total.sums.inputBytes += bytesOfInput(surface.geometry, counted);
     }
     if (!reusesTree) {
-      treeBytes = moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode);
+      treeBytes = moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode) + buildWideTree();
       buildIDsInTree = buildIDsOf(surfaces);
     }
     total.sums.topLevelBytes += treeBytes;
@@ -250,6 +251,18 @@ private:
     const BVH4::NodeRef root = isa::buildTree(bvh->alloc, parts, [&] { scene->progressMonitor(0.0); }, nodes);
     bvh->set(isa::moveLargestNodes(root, nodes, bvh->alloc), LBBox3fa(bounds), numPrimRefs);
     return nodes;
+  }
+
+  mvector<WideNode>& wideNodes() const { return ((CompressedTree*)bvh)->wide; }
+
+  /*! Builds the tree of wide nodes if there are tiles, which are stored for speed, and no blocks that need the BVH4.
+   *  Returns the bytes of its nodes. */
+  size_t buildWideTree() {
+    const uint32_t tile = 1u << cbvh::TILE_BLOCK, wide = tile | 1u << cbvh::VERT_BLOCK | 1u << cbvh::MESH_BLOCK;
+    uint32_t types = 0;
+    for (const auto& surface : report->surfaces) types |= surface->types;
+    if ((types & tile) && !(types & ~wide)) WideTreeBuilder(bvh->root, bvh->bounds.bounds(), wideNodes());
+    return wideNodes().size() * sizeof(WideNode);
   }
 
   /*! Builds the tree over the blocks of moving surfaces, and releases their boxes, which only the first build uses.

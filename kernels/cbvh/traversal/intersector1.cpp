@@ -6,7 +6,9 @@
 
 #include "queries1.h"
 #include "top_level1.h"
+#include "wide_tree1.h"
 #include "../base/leaf_type.h"
+#include "../blocks/compressed_tree.h"
 #include "../exact/tile_intersector1.h"
 #include "../paper/interface.h"
 
@@ -77,11 +79,49 @@ private:
   IntersectContext* context;
   StaticRay& state;
 };
+
+/*! Blocks below wide nodes. */
+template<typename RayType>
+class WideLeaves {
+public:
+  __forceinline WideLeaves(RayType& ray, IntersectContext* context) : ray(ray), context(context) {}
+
+  /*! Returns true if a hit was accepted. */
+  __forceinline bool operator()(BVH4::NodeRef leaf) {
+    size_t type;
+    const void* const prim = leaf.leaf(type);
+    if (likely(type == TILE_BLOCK)) return intersectTile(ray, context, vert, (const VertHeader*)prim);
+    if (type == VERT_BLOCK) return intersectVert(ray, context, vert, (const VertHeader*)prim);
+    return intersectMesh(ray, context, vert, prim);
+  }
+
+private:
+  RayType& ray;
+  IntersectContext* context;
+  VertRay vert;
+};
+
+__noinline void intersectWide(const WideNode* root, RayHit& ray, IntersectContext* context) {
+  WideLeaves<RayHit> leaves(ray, context);
+  traverseClosestHit(root, ray, leaves);
+}
+
+__noinline bool isOccludedWide(const WideNode* root, Ray& ray, IntersectContext* context) {
+  WideLeaves<Ray> leaves(ray, context);
+  return traverseAnyHit(root, ray, leaves);
+}
 } // namespace cbvh
+
+/*! Root of the tree of wide nodes, or null. */
+static __forceinline const WideNode* wideRoot(const BVH4* bvh) {
+  const mvector<WideNode>& nodes = ((const CompressedTree*)bvh)->wide;
+  return nodes.empty() ? nullptr : nodes.data();
+}
 
 void CompressedSubdivTraversal1::intersect(const Accel::Intersectors* This, RayHit& ray, IntersectContext* context) {
   const BVH4* bvh = (const BVH4*)This->ptr;
   if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
+  if (const WideNode* root = wideRoot(bvh)) return cbvh::intersectWide(root, ray, context);
   const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
   cbvh::StaticRay state(ray, bvh, isFiltered);
   cbvh::StaticLeaves leaves(This, context, state);
@@ -93,6 +133,10 @@ void CompressedSubdivTraversal1::occluded(const Accel::Intersectors* This, Ray& 
   const BVH4* bvh = (const BVH4*)This->ptr;
   // tfar < 0: Embree's mark of an any-hit ray that has found a hit
   if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::isValidRay(ray))) return;
+  if (const WideNode* root = wideRoot(bvh)) {
+    if (cbvh::isOccludedWide(root, ray, context)) ray.tfar = neg_inf;
+    return;
+  }
   cbvh::StaticRay state(ray, bvh, false);
   cbvh::StaticLeaves leaves(This, context, state);
   if (cbvh::traverseAnyHit1(bvh->root, cbvh::StaticNodes(), ray, leaves)) ray.tfar = neg_inf;
