@@ -59,9 +59,9 @@ private:
   /*! How a node of the BVH4 is joined if at most i + 1 children replace it. */
   struct Joint {
     BVH4::AABBNode* node;
-    uint32_t joints[4];                //!< of its inner children
-    uint16_t joined;                   //!< bit i: it becomes a part of the wide node above
-    uint8_t share[4][wideChildren];    //!< number of children for child c and those before it: share of c
+    uint32_t joints[4];             //!< of its inner children
+    uint16_t joined;                //!< bit i: it becomes a part of the wide node above
+    uint8_t share[4][wideChildren]; //!< number of children for child c and those before it: share of c
     bool isJoined(size_t children) const { return (joined >> (children - 1)) & 1u; }
   };
 

@@ -10,12 +10,6 @@
 #include "tile_block.h"
 
 namespace embree::isa::cbvh {
-/* Access to a triangle of a tile, for VertHitReporter. */
-
-__forceinline VertTriangle triangleOf(const TileBlock& tile, uint32_t g, uint32_t index) {
-  return tile.triangle(g, index);
-}
-
 /*! Bound of the rounding errors of distances to planes, in floatUlp, as slackUlps. Per distance: 1/2 for the difference
  *  of origins, 1/2 for its product with the reciprocal, 1/2 for the slack's addition, 1/2 for the unit's product, 1 for
  *  the plane (unfused), 3/2 for the reciprocal, twice; and 3/2 for the shear of vertices. */
@@ -94,27 +88,76 @@ __forceinline uint32_t flipLeaves(uint32_t mask, uint32_t flip) {
   return mask ^ ((mask ^ reversed) & rows);
 }
 
-/*! Triangles of leaves that a ray's line may pass through: bit q of a mask is quad q (column + 4 row) of the first
- *  leaf, bit 8 + q of the second. */
-struct LeafTriangles {
-  uint32_t first, second;
+/*! Triangles of one or two leaves that a ray's line may pass through. */
+class LeafTriangles {
+public:
+  uint32_t first, second; //!< bit 8 l + q: first or second triangle of quad q (column + 4 row) of leaf l
 
   __forceinline LeafTriangles(const VertRay& ray, const TileBlock& tile, const uint32_t leaves[tileLeavesAtOnce]) {
     const int axes[3] = {ray.kx, ray.ky, ray.kz};
-    TileBlock::RowVectors rows[3];
-    tile.vertices(leaves, axes, rows);
-    const TileBlock::RowVectors z = rows[2] - ray.org[ray.kz];
-    const TileBlock::Corners cx((rows[0] - ray.org[ray.kx]).shear(ray.sx, z)),
-        cy((rows[1] - ray.org[ray.ky]).shear(ray.sy, z));
+    tile.vertices(leaves, axes, vertices);
+    const LeafVectors z = vertices[2] - ray.org[ray.kz];
+    const LeafCorners cx((vertices[0] - ray.org[ray.kx]).shear(ray.sx, z)),
+        cy((vertices[1] - ray.org[ray.ky]).shear(ray.sy, z));
     vboolV firsts[tileQuadVectors], seconds[tileQuadVectors];
     for (int j = 0; j < tileQuadVectors; j++) {
-      const QuadSides sides(cx.at[j], cy.at[j]);
-      firsts[j] = sides.mayContainFirst();
-      seconds[j] = sides.mayContainSecond();
+      sides[j] = QuadSides(cx.at[j], cy.at[j]);
+      firsts[j] = sides[j].mayContainFirst();
+      seconds[j] = sides[j].mayContainSecond();
     }
     first = movemasks(firsts);
     second = movemasks(seconds);
   }
+
+private:
+  friend class StoredLeafTriangles;
+
+  LeafVectors vertices[3]; //!< on axes kx, ky and kz
+  QuadSides sides[tileQuadVectors];
+};
+
+/*! The same in memory, for access to single triangles. One leaf at a time is a Cached of VertHitReporter. */
+class StoredLeafTriangles {
+public:
+  static const bool isMesh = false; //!< see hits1.h
+
+  __forceinline StoredLeafTriangles(const VertRay& ray, const LeafTriangles& triangles) {
+    const int axes[3] = {ray.kx, ray.ky, ray.kz};
+    for (int i = 0; i < 3; i++)
+      for (int n = 0; n < LeafLayout::vectors; n++)
+        vfloatV::store(vertices[axes[i]] + vectorWidth * n, triangles.vertices[i].at[n]);
+    for (int j = 0; j < tileQuadVectors; j++) {
+      const QuadSides& sides = triangles.sides[j];
+      halves[0].set(j, sides.diag, sides.left, sides.bottom);
+      halves[1].set(j, sides.right, sides.top, -sides.diag);
+    }
+  }
+
+  uint32_t slot; //!< 1 for the second of two leaves
+
+  /*! index: of the triangle in its group of 4 x 4 quads, as for blocks. */
+  __forceinline VertTriangle triangle(uint32_t index) const {
+    return VertTriangle(vertices, leafTriangleLanes.at[slot][index & 15u]);
+  }
+  __forceinline TriangleSides<float> sides(uint32_t index) const {
+    return halves[index & 1u].at(8 * slot + ((index >> 1) & 7u));
+  }
+
+private:
+  alignas(64) float vertices[3][LeafLayout::vectors * vectorWidth]; //!< [axis][lane]
+  SidesInLanes halves[2];                                           //!< of first and second triangles
+};
+
+__forceinline VertTriangle triangleOf(const StoredLeafTriangles& leaf, uint32_t, uint32_t index) {
+  return leaf.triangle(index);
+}
+
+/*! Triangles of a leaf that VertHitReporter tests. */
+struct LeafCandidates {
+  const StoredLeafTriangles& leaf;
+  uint32_t mask;
+
+  __forceinline TriangleSides<float> sides(uint32_t index) const { return leaf.sides(index); }
 };
 
 template<typename RayType>
@@ -131,12 +174,11 @@ public:
 private:
   static const bool isAnyHit = IsAnyHit<RayType>::value;
 
-  __forceinline TileIntersector1(RayType& ray, IntersectContext* context, const VertRay& vertRay,
-                                 const VertHeader* header)
+  __forceinline TileIntersector1(RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* header)
     : ray(ray),
+      context(context),
       vertRay(vertRay),
-      tile(header),
-      hits(VertTarget1<RayType>{ray, context}, vertRay, vertRay.nearest, header, tile) {}
+      tile(header) {}
 
   __forceinline bool run(const LeafBoxes& boxes) {
     const uint32_t flip = isAnyHit ? 0 : leafFlip(tile.tile, vertRay.negativeAxes & 7u);
@@ -149,9 +191,10 @@ private:
       leaves[1] = areTwo ? popAny(rest) ^ flip : leaves[0];
       const LeafTriangles triangles(vertRay, tile, leaves);
       if ((triangles.first | triangles.second) == 0) continue;
-      bool isHit = report(leaves[0], triangles.first & 255u, triangles.second & 255u);
+      StoredLeafTriangles stored(vertRay, triangles);
+      bool isHit = report(leaves[0], 0, stored, triangles.first & 255u, triangles.second & 255u);
       if (isAnyHit && isHit) return true;
-      if (areTwo) isHit |= report(leaves[1], triangles.first >> 8, triangles.second >> 8);
+      if (areTwo) isHit |= report(leaves[1], 1, stored, triangles.first >> 8, triangles.second >> 8);
       if (!isHit) continue;
       if (isAnyHit) return true;
       found = true;
@@ -161,16 +204,24 @@ private:
   }
 
   /*! first, second: masks of the leaf's first and second triangles. */
-  __forceinline bool report(uint32_t leaf, uint32_t first, uint32_t second) {
-    if ((first | second) == 0) return false;
-    const uint32_t mask = (everySecondBit(first) | everySecondBit(second) << 1) << (leaf & 4u ? 16 : 0);
-    return hits.report((leaf & 3u) | ((leaf >> 3) << 2), TriangleMask{mask});
+  __forceinline bool report(uint32_t leaf, uint32_t slot, StoredLeafTriangles& stored, uint32_t first,
+                            uint32_t second) {
+    const uint32_t candidates = first | second << 16;
+    if (candidates == 0) return false;
+    const uint32_t lowest = uint32_t(bsf(candidates));
+    const bool isSingle = (candidates & (candidates - 1)) == 0;
+    const uint32_t mask = likely(isSingle) ? 1u << (2 * (lowest & 15u) + (lowest >> 4))
+                                           : everySecondBit(first) | everySecondBit(second) << 1;
+    stored.slot = slot;
+    VertHitReporter<VertTarget1<RayType>, StoredLeafTriangles> hits(VertTarget1<RayType>{ray, context}, vertRay,
+                                                                    vertRay.nearest, tile.tile, stored);
+    return hits.report((leaf & 3u) | ((leaf >> 3) << 2), LeafCandidates{stored, mask << (leaf & 4u ? 16 : 0)});
   }
 
   RayType& ray;
-  const VertRay& vertRay;
+  IntersectContext* const context;
+  VertRay& vertRay;
   const TileBlock tile;
-  VertHitReporter<VertTarget1<RayType>, TileBlock> hits;
 };
 
 /*! As intersectVert. */

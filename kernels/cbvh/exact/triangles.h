@@ -28,13 +28,11 @@ struct VertTriangle {
       for (int c = 0; c < 3; c++) vertices[k][c] = triangles.vertices.at[k][triangles.corners[c][index]];
   }
 
-  /*! axes: by axis, a vertex per lane; the fourth lane is unused. */
-  __forceinline explicit VertTriangle(const vfloat4 (&axes)[3]) {
-    for (int k = 0; k < 3; k++) {
-      alignas(16) float lanes[4];
-      vfloat4::store(lanes, axes[k]);
-      for (int i = 0; i < 3; i++) vertices[k][i] = lanes[i];
-    }
+  /*! axes: by axis, the vertices of several triangles. lanes: of this triangle's vertices. */
+  template<size_t n>
+  __forceinline VertTriangle(const float (&axes)[3][n], const uint8_t lanes[3]) {
+    for (int k = 0; k < 3; k++)
+      for (int i = 0; i < 3; i++) vertices[k][i] = axes[k][lanes[i]];
   }
 
   __forceinline Sides sides(const VertRay& ray) const {
@@ -100,6 +98,8 @@ private:
 /*! Sides of the edges of quads, one quad per lane. */
 struct QuadSides {
   vfloatV diag, left, bottom, right, top;
+
+  __forceinline QuadSides() {}
 
   /*! x, y: sheared vertices at corner c (column + 2 row). */
   __forceinline QuadSides(const vfloatV x[4], const vfloatV y[4])
