@@ -50,6 +50,18 @@ typedef vfloat<vectorWidth> vfloatV;
 typedef vint<vectorWidth> vintV;
 typedef vboolf<vectorWidth> vboolV;
 
+/*! Lane i of v in all lanes. */
+template<int i>
+__forceinline vfloatV broadcast(const vfloat4& v) {
+#if defined(__AVX512F__)
+  return _mm512_broadcastss_ps(shuffle<i>(v));
+#elif defined(__AVX__)
+  return vfloatV(shuffle<i>(v));
+#else
+  return shuffle<i>(v);
+#endif
+}
+
 /*! Loads a byte per lane, and no further bytes. */
 __forceinline vintV loadBytes(const uint8_t* p) {
 #if defined(__AVX512F__)

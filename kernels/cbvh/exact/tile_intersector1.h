@@ -29,10 +29,7 @@ public:
     const vfloat4 slack =
         vfloat4(tileSlackUlps * floatUlp) * (abs(distance) + vfloat4(float(maxBoxByte + 1)) * largestUnit) * abs(rcp);
     const vfloat4 scale = unit * rcp, offset = distance * rcp;
-    alignas(16) float scales[4], nearOffset[4], farOffset[4];
-    vfloat4::store(scales, scale);
-    vfloat4::store(nearOffset, offset - slack);
-    vfloat4::store(farOffset, offset + slack);
+    const vfloat4 nearOffset = offset - slack, farOffset = offset + slack;
     const uint8_t* const planes = header + tileBoxesOffset(tile->info);
     // products that overflow could be NaN
     const bool isSafe = all(vfloat4(float(maxBoxByte + 1)) * abs(scale) + abs(offset) + slack < vfloat4(1e37f));
@@ -40,6 +37,9 @@ public:
       for (int j = 0; j < vectors; j++) enter[j] = vfloatV(tnear);
       mask = ~0u >> (32 - vectorWidth * vectors);
     } else {
+      const vfloatV scales[3] = {broadcast<0>(scale), broadcast<1>(scale), broadcast<2>(scale)};
+      const vfloatV nears[3] = {broadcast<0>(nearOffset), broadcast<1>(nearOffset), broadcast<2>(nearOffset)};
+      const vfloatV fars[3] = {broadcast<0>(farOffset), broadcast<1>(farOffset), broadcast<2>(farOffset)};
       vboolV hit[maxVectors];
       for (int j = 0; j < maxVectors; j++) {
         hit[j] = vboolV(false);
@@ -49,9 +49,8 @@ public:
         vfloatV from(tnear), to(tfar);
         for (uint32_t k = 0; k < 3; k++) {
           const uint32_t near = (ray.negativeAxes >> k) & 1u;
-          const vfloatV s(scales[k]);
-          from = max(from, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + near))), s, vfloatV(nearOffset[k])));
-          to = min(to, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + 1 - near))), s, vfloatV(farOffset[k])));
+          from = max(from, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + near))), scales[k], nears[k]));
+          to = min(to, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + 1 - near))), scales[k], fars[k]));
         }
         enter[j] = from;
         hit[j] = from <= to;
@@ -77,16 +76,38 @@ private:
   vfloatV enter[maxVectors];
 };
 
-/*! Reverses columns and rows of a mask of leaves: moves bit i to bit i ^ flip. See leafFlip. */
-__forceinline uint32_t flipLeaves(uint32_t mask, uint32_t flip) {
-  const uint32_t columns = 0u - (flip & 1u), rows = 0u - ((flip >> 2) & 1u);
-  uint32_t reversed = ((mask & 0x55555555u) << 1) | ((mask >> 1) & 0x55555555u);
-  reversed = ((reversed & 0x33333333u) << 2) | ((reversed >> 2) & 0x33333333u);
-  mask ^= (mask ^ reversed) & columns;
-  reversed = __builtin_bswap32(mask);
-  reversed = ((reversed & 0x0F0F0F0Fu) << 4) | ((reversed >> 4) & 0x0F0F0F0Fu);
-  return mask ^ ((mask ^ reversed) & rows);
-}
+/*! Leaves that are still to be tested, roughly front to back. */
+class LeafQueue {
+public:
+  /*! leaves: mask. flip: see leafFlip. Reverses rows by taking leaves from the end, which also reverses columns. Order
+   *  within a pair of columns does not matter. */
+  __forceinline LeafQueue(uint32_t leaves, uint32_t flip)
+    : fromEnd((flip & 4u) != 0),
+      swapsColumns(0u - ((flip ^ (flip >> 2)) & 1u)),
+      rest(swapColumns(leaves)) {}
+
+  __forceinline bool isEmpty() const { return rest == 0; }
+
+  /*! Removes a leaf, and returns it. The queue must not be empty. */
+  __forceinline uint32_t pop() {
+    const uint32_t leaf = uint32_t(fromEnd ? bsr(rest) : bsf(rest));
+    rest &= ~(1u << leaf);
+    return leaf ^ (swapsColumns & 2u);
+  }
+
+  /*! Removes leaves that are not in a mask. */
+  __forceinline void keep(uint32_t leaves) { rest &= swapColumns(leaves); }
+
+private:
+  __forceinline uint32_t swapColumns(uint32_t mask) const {
+    const uint32_t swapped = ((mask & 0x33333333u) << 2) | ((mask >> 2) & 0x33333333u);
+    return mask ^ ((mask ^ swapped) & swapsColumns);
+  }
+
+  const bool fromEnd;
+  const uint32_t swapsColumns; //!< all bits, or 0
+  uint32_t rest;
+};
 
 /*! Triangles of one or two leaves that a ray's line may pass through. */
 class LeafTriangles {
@@ -181,14 +202,13 @@ private:
       tile(header) {}
 
   __forceinline bool run(const LeafBoxes& boxes) {
-    const uint32_t flip = isAnyHit ? 0 : leafFlip(tile.tile, vertRay.negativeAxes & 7u);
-    uint32_t rest = flipLeaves(boxes.mask, flip);
+    LeafQueue queue(boxes.mask, isAnyHit ? 0 : leafFlip(tile.tile, vertRay.negativeAxes & 7u));
     bool found = false;
-    while (rest) {
+    while (!queue.isEmpty()) {
       uint32_t leaves[2];
-      leaves[0] = popAny(rest) ^ flip;
-      const bool areTwo = tileLeavesAtOnce == 2 && rest;
-      leaves[1] = areTwo ? popAny(rest) ^ flip : leaves[0];
+      leaves[0] = queue.pop();
+      const bool areTwo = tileLeavesAtOnce == 2 && !queue.isEmpty();
+      leaves[1] = areTwo ? queue.pop() : leaves[0];
       const LeafTriangles triangles(vertRay, tile, leaves);
       if ((triangles.first | triangles.second) == 0) continue;
       StoredLeafTriangles stored(vertRay, triangles);
@@ -198,7 +218,7 @@ private:
       if (!isHit) continue;
       if (isAnyHit) return true;
       found = true;
-      rest &= flipLeaves(boxes.enteredBefore(ray.tfar), flip);
+      queue.keep(boxes.enteredBefore(ray.tfar));
     }
     return found;
   }

@@ -17,9 +17,9 @@ public:
   __forceinline explicit WideRay(const Ray& ray) : tnear(max(ray.tnear(), 0.0f)) {
     const vfloat4 o = loadOfRay(&ray.org.x), d = loadOfRay(&ray.dir.x);
     const PlaneFactors factors(d);
-    org = Vec3vf<vectorWidth>(o[0], o[1], o[2]);
-    near = Vec3vf<vectorWidth>(factors.near[0], factors.near[1], factors.near[2]);
-    far = Vec3vf<vectorWidth>(factors.far[0], factors.far[1], factors.far[2]);
+    org = components(o);
+    near = components(factors.near);
+    far = components(factors.far);
     const size_t negativeAxes = size_t(movemask(factors.rdir < vfloat4(zero)));
     for (size_t axis = 0; axis < 3; axis++) nearPlane[axis] = 2 * axis + ((negativeAxes >> axis) & 1u);
   }
@@ -41,6 +41,9 @@ public:
   }
 
 private:
+  static __forceinline Vec3vf<vectorWidth> components(const vfloat4& v) {
+    return Vec3vf<vectorWidth>(broadcast<0>(v), broadcast<1>(v), broadcast<2>(v));
+  }
   static __forceinline vfloatV planes(const WideNode& node, size_t plane, int j) {
     return vfloatV::load(node.planes[plane] + vectorWidth * j);
   }
