@@ -42,7 +42,13 @@ __forceinline __m128 dropFirstAndAppend(__m128 a, __m128 b) {
 
 /*! Extends the lower 8 or 16 bits of each of the first lanes with zeros, to 32 bits. */
 __forceinline __m128i extend16(__m128i x) { return _mm_unpacklo_epi16(x, _mm_setzero_si128()); }
-__forceinline __m128i extend8(__m128i x) { return extend16(_mm_unpacklo_epi8(x, _mm_setzero_si128())); }
+__forceinline __m128i extend8(__m128i x) {
+#if defined(__SSE4_1__)
+  return _mm_cvtepu8_epi32(x);
+#else
+  return extend16(_mm_unpacklo_epi8(x, _mm_setzero_si128()));
+#endif
+}
 
 /*! Loads 4 bytes, which need not be aligned. */
 __forceinline __m128i loadFour(const uint8_t* p) {

@@ -21,13 +21,13 @@ public:
   __forceinline LeafBoxes(const VertRay& ray, const VertHeader* tile, float tnear, float tfar)
     : vectors(int(tileParts(tile->region) * leavesPerPart) / vectorWidth) {
     const uint8_t* const header = (const uint8_t*)tile;
-    const vfloat4 steps(vint4(extend8(loadFour(header + tileBoxStepOffset))));
-    const vfloat4 unit = withoutFourth(steps * spacingsOfTile(tile));
-    const vfloat4 rcp = withoutFourth(vfloat4::loadu(ray.rcp)),
-                  distance = withoutFourth(vfloat4::loadu(tile->origin)) - withoutFourth(vfloat4::loadu(ray.org));
-    const vfloat4 largestUnit = max(max(shuffle<0>(unit), shuffle<1>(unit)), shuffle<2>(unit));
-    const vfloat4 slack =
-        vfloat4(tileSlackUlps * floatUlp) * (abs(distance) + vfloat4(float(maxBoxByte + 1)) * largestUnit) * abs(rcp);
+    const vfloat4 spacing = withoutFourth(spacingsOfTile(tile));
+    const vfloat4 unit = vfloat4(vint4(extend8(loadFour(header + tileBoxStepOffset)))) * spacing;
+    const vfloat4 rcp = vfloat4::load(ray.rcp),
+                  distance = withoutFourth(vfloat4::loadu(tile->origin)) - vfloat4::load(ray.org);
+    const vfloat4 largestSpacing = max(max(spacing, shuffle<1, 2, 0, 1>(spacing)), shuffle<2, 0, 1, 2>(spacing));
+    const vfloat4 slack = vfloat4(tileSlackUlps * floatUlp) *
+                          (abs(distance) + vfloat4(float((maxBoxByte + 1) * maxBoxByte)) * largestSpacing) * abs(rcp);
     const vfloat4 scale = unit * rcp, offset = distance * rcp;
     const vfloat4 nearOffset = offset - slack, farOffset = offset + slack;
     const uint8_t* const planes = header + tileBoxesOffset(tile->info);
