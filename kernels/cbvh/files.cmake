@@ -27,6 +27,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/files/mapped_blocks.cpp
   cbvh/files/loaded_geometry.cpp
   cbvh/files/loaded_surface.cpp
+  cbvh/files/loaded_tiles.cpp
   cbvh/backend/flat_scene.cpp
   cbvh/building/builder.cpp
   cbvh/blocks/stored_triangles.cpp

@@ -67,6 +67,12 @@ protected:
 
   std::vector<RTCRayHit> rays(unsigned count = 3000) { return raysAt(random, count); }
 
+  Vec somewhere() {
+    Vec position;
+    for (int k = 0; k < 3; k++) position[k] = float(random.uniform(-0.8, 0.8));
+    return position;
+  }
+
   Device device;
   Random random;
 };
@@ -171,8 +177,94 @@ TEST_P(TileSurfaces, GridsAndMeshes) {
   }
 }
 
-// Files contain blocks: as many bytes as those of cVERT, and the same hits.
+// Many tiles are below nodes of 16 children, alone and next to other leaves, also to those that need Embree's nodes.
+TEST_P(TileSurfaces, ManySurfaces) {
+  std::vector<Displacement> displacements(60);
+  for (size_t i = 0; i < displacements.size(); i++) {
+    displacements[i].scale = i % 3 ? 0.15f : 0.4f;
+    displacements[i].offset = somewhere();
+  }
+  const Diced ball = dicedBall(2, 20);
+  enum class Beside { Nothing, SmallBlocks, Meshes, FramedBlocks, Grids };
+  for (Beside beside : {Beside::Nothing, Beside::SmallBlocks, Beside::Meshes, Beside::FramedBlocks, Beside::Grids}) {
+    SCOPED_TRACE(int(beside));
+    ASSERT_NO_FATAL_FAILURE(expectEqual(rays(), 500, [&](RTCScene scene, RTCCompression compression) {
+      Random same(seed);
+      for (size_t i = 0; i < displacements.size(); i++) {
+        SurfaceSettings settings;
+        settings.displacement = &displacements[i];
+        settings.rate = 17;
+        settings.compression = compression;
+        if (i % 2 == 0 && beside == Beside::SmallBlocks) settings.rate = 5;
+        if (i % 8 == 0 && beside == Beside::FramedBlocks) settings.compression = RTC_COMPRESSION_CLEAF;
+        if (i % 8 == 0 && beside == Beside::Grids) settings.compression = RTC_COMPRESSION_NONE;
+        addSurface(device, scene, cubeCage(), settings);
+      }
+      if (beside == Beside::Meshes)
+        attach(scene, newMesh(device, meshOf(ball, QuadOrder::Shuffled, same), compression));
+    }));
+  }
+}
+
+// Nodes follow the scene: without a surface, with another one, and without tiles.
+TEST_P(TileSurfaces, EditsOfScenes) {
+  std::vector<Displacement> displacements(20);
+  for (Displacement& displacement : displacements) {
+    displacement.scale = 0.3f;
+    displacement.offset = somewhere();
+  }
+  const std::vector<RTCRayHit> some = rays();
+  Scene blocks(device), tiles(device);
+  std::vector<unsigned> ids[2];
+  const auto add = [&](size_t i) {
+    SurfaceSettings settings;
+    settings.displacement = &displacements[i];
+    for (bool areTiles : {false, true}) {
+      settings.compression = areTiles ? RTC_COMPRESSION_CTILE : RTC_COMPRESSION_CVERT;
+      ids[areTiles].push_back(addSurface(device, areTiles ? tiles : blocks, cubeCage(), settings));
+    }
+  };
+  const auto expectSame = [&](size_t minHits) {
+    rtcCommitScene(blocks);
+    rtcCommitScene(tiles);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const std::vector<RTCRayHit> expected = closestHits(blocks, some, QueryForm::Single),
+                                 found = closestHits(tiles, some, QueryForm::Single);
+    size_t hits = 0;
+    for (size_t i = 0; i < some.size(); i++) {
+      hits += isHit(expected[i]);
+      ASSERT_EQ(std::memcmp(&expected[i], &found[i], sizeof(RTCRayHit)), 0) << "ray " << i;
+    }
+    EXPECT_GE(hits, minHits);
+  };
+  for (size_t i = 0; i + 1 < displacements.size(); i++) add(i);
+  ASSERT_NO_FATAL_FAILURE(expectSame(300));
+  for (size_t i = 0; i < 10; i++) {
+    rtcDetachGeometry(blocks, ids[0][i]);
+    rtcDetachGeometry(tiles, ids[1][i]);
+  }
+  ASSERT_NO_FATAL_FAILURE(expectSame(100));
+  add(displacements.size() - 1);
+  ASSERT_NO_FATAL_FAILURE(expectSame(100));
+  for (size_t i = 10; i < displacements.size(); i++) {
+    rtcDetachGeometry(blocks, ids[0][i]);
+    rtcDetachGeometry(tiles, ids[1][i]);
+  }
+  ASSERT_NO_FATAL_FAILURE(expectSame(0));
+}
+
+void expectEqualBytes(RTCScene a, RTCScene b) {
+  const RTCCompressionStatistics x = statisticsOf(a), y = statisticsOf(b);
+  EXPECT_EQ(x.headerBytes, y.headerBytes);
+  EXPECT_EQ(x.nodeBytes, y.nodeBytes);
+  EXPECT_EQ(x.leafBytes, y.leafBytes);
+  EXPECT_EQ(x.numRawBlocks, y.numRawBlocks);
+}
+
+// Files contain blocks: as many bytes as those of cVERT, and the same hits. Devices that trace tiles make them of
+// files, too.
 TEST_P(TileSurfaces, FilesContainBlocks) {
+  Device tileDevice(std::string(GetParam()) + ",subdiv_accel=cbvh.tile");
   const Folder folder;
   const Diced ball = dicedBall(2, 20);
   const DicedMesh mesh = meshOf(ball, QuadOrder::Shuffled, random);
@@ -189,7 +281,7 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
       [&](RTCCompression compression) { return newMesh(device, mesh, compression); }};
   for (const auto& make : makers) {
     const std::string tiles = folder / "tiles", blocks = folder / "blocks";
-    Scene traced(device), loaded(device);
+    Scene traced(device), compressed(device), loaded(device), loadedTiles(tileDevice);
     for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE}) {
       const RTCGeometry geometry = make(compression);
       Scene scene(device); // compresses the geometry
@@ -197,22 +289,27 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
       rtcCommitScene(scene);
       const bool areTiles = compression == RTC_COMPRESSION_CTILE;
       ASSERT_TRUE(saveGeometryFile(geometry, (areTiles ? tiles : blocks).c_str())) << cbvhGetErrorText();
-      if (areTiles) rtcAttachGeometry(traced, geometry);
+      rtcAttachGeometry(areTiles ? traced : compressed, geometry);
       rtcReleaseGeometry(geometry);
     }
     EXPECT_EQ(bytesOf(tiles).size(), bytesOf(blocks).size());
     attach(loaded, loadGeometryFile(device, tiles.c_str()));
-    rtcCommitScene(traced);
-    rtcCommitScene(loaded);
+    attach(loadedTiles, loadGeometryFile(tileDevice, blocks.c_str()));
+    for (RTCScene scene : {traced, compressed, loaded, loadedTiles}) rtcCommitScene(scene);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    const std::vector<RTCRayHit> some = rays(), expected = closestHits(traced, some, QueryForm::Single),
-                                 found = closestHits(loaded, some, QueryForm::Single);
-    size_t hits = 0;
-    for (size_t i = 0; i < some.size(); i++) {
-      hits += isHit(expected[i]);
-      ASSERT_EQ(std::memcmp(&expected[i], &found[i], sizeof(RTCRayHit)), 0) << "ray " << i;
+    ASSERT_EQ(tileDevice.takeError(), RTC_ERROR_NONE) << tileDevice.message;
+    expectEqualBytes(loaded, compressed);
+    expectEqualBytes(loadedTiles, traced);
+    const std::vector<RTCRayHit> some = rays(), expected = closestHits(traced, some, QueryForm::Single);
+    for (RTCScene scene : {loaded, loadedTiles}) {
+      const std::vector<RTCRayHit> found = closestHits(scene, some, QueryForm::Single);
+      size_t hits = 0;
+      for (size_t i = 0; i < some.size(); i++) {
+        hits += isHit(expected[i]);
+        ASSERT_EQ(std::memcmp(&expected[i], &found[i], sizeof(RTCRayHit)), 0) << "ray " << i;
+      }
+      EXPECT_GT(hits, 500u);
     }
-    EXPECT_GT(hits, 500u);
   }
 }
 

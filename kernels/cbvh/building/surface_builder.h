@@ -37,9 +37,6 @@ public:
  *  of 8 bytes. Most cVERT blocks are smaller. */
 static const size_t expectedBlockBytes = 928;
 
-/*! The same for tiles: most have 3 or 4 bytes per vertex. */
-static const size_t expectedTileBytes = 1408;
-
 /*! Bytes reserved per mesh block, about the size of one with 256 triangles. */
 static const size_t expectedMeshBlockBytes = 1664;
 
@@ -80,7 +77,7 @@ public:
     std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device, number);
     const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
     size_t bytes = estimatedBlocks * sizeof(BVH4::AABBNode) / 2 +
-                   (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? expectedTileBytes : expectedBlockBytes) +
+                   (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? cbvh::expectedTileBytes : expectedBlockBytes) +
                    meshBlocks * expectedMeshBlockBytes;
     // Embree's allocator allocates chunks of a twentieth of this, at most 2 MiB. BlockMemory allocates pieces above
     // an eighth of a chunk separately: with small chunks, most pieces of a mesh.

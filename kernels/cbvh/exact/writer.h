@@ -9,6 +9,7 @@
  * is a range of rows of quads, which bounds the memory of a task. The caller must flush the store after the last
  * patch. */
 
+#include "../base/block_bytes.h"
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
 #include "../surface/plan.h"
@@ -205,18 +206,9 @@ private:
 
   /*! bytes: size of the block without padding. */
   void addToStatistics(const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& blockStatistics) {
-    const cbvh::VertLayout layout = cbvh::vertLayout(header->region, header->info);
-    const size_t stride = (bytes + cbvh::blockAlignment - 1) & ~size_t(cbvh::blockAlignment - 1);
-    const bool isTile = cbvh::isTile(header->info);
-    const size_t headerEnd = isTile ? cbvh::tileBoxesOffset(header->info) : layout.margins,
-                 nodesEnd = isTile                ? cbvh::tileVerticesOffset(header->region, header->info)
-                            : blockStatistics.raw ? layout.margins
-                                                  : layout.cell;
     const size_t quads = size_t(cbvh::vertQuadsX(header->region)) * size_t(cbvh::vertQuadsY(header->region));
     cbvh::CompressionStatistics& sums = statistics.sums;
-    sums.headerBytes += headerEnd;
-    sums.nodeBytes += nodesEnd - headerEnd;
-    sums.leafBytes += stride - nodesEnd;
+    cbvh::BlockBytes(header, bytes).addTo(sums);
     sums.numBlocks++;
     sums.numRawBlocks += blockStatistics.raw;
     sums.numQuads += quads;

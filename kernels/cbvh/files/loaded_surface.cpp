@@ -4,12 +4,14 @@
 /* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "loaded_surface.h"
+#include "../base/block_bytes.h"
 #include "../base/thread_cache.h"
 #include "../embree/scene.h"
 #include "../blocks/surface_blocks.h"
 #include "../blocks/tree.h"
 #include "../../cvert/file/tree_reader.h"
 #include "file_statistics.h"
+#include "loaded_tiles.h"
 #include "mapped_blocks.h"
 #include "validate_framed.h"
 #include <new>
@@ -51,14 +53,15 @@ class SurfaceLoader {
 public:
   typedef BVH4::NodeRef Ref;
 
-  SurfaceLoader(const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
+  SurfaceLoader(const Device* device, const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
     : file(file),
       i(i),
       mapped(mapped),
       surface(surface) {
     const FileGeometry& record = file.geometry(i);
-    if (record.form == FILE_TREE)
-      surface.memory.reserve(size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode));
+    if (record.form != FILE_TREE) return;
+    const size_t tileBytes = makesTilesOfFiles(device) ? size_t(record.numBlocks) * expectedTileBytes : 0;
+    surface.memory.reserve(size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode) + tileBytes);
   }
 
   Ref leaf(FileChild child, uint64_t offset) {
@@ -129,10 +132,11 @@ std::shared_ptr<const SurfaceBlocks> loadSurface(const std::shared_ptr<const Fil
   surface->bounds = areBounds(record.lower, record.upper) ? boundsOf(record.lower, record.upper) : BBox3fa(empty);
   surface->numPrimRefs = size_t(record.numBlocks);
   surface->statistics = statisticsOf(record);
-  SurfaceLoader loader(*file, i, *mapped, *surface);
+  SurfaceLoader loader(device, *file, i, *mapped, *surface);
   BVH4::NodeRef root;
   TreeReader<SurfaceLoader> reader(record, file->tree(i), loader);
   if (const Reason reason = reader.read(root)) file->fail(i, "", reason);
+  if (record.form != FILE_MOVING && makesTilesOfFiles(device)) makeTiles(device, *surface, root);
   if (record.form == FILE_TREE) {
     surface->root = isa::moveLargestNodes(root, size_t(reader.numNodes()), *surface->memory.pool());
     isa::TreeCutter(surface->parts).cut(surface->root, surface->bounds);

@@ -4,6 +4,7 @@
 /* Compiled once, for the lowest ISA of the library (files.cmake). */
 
 #include "saved_surface.h"
+#include "../base/block_bytes.h"
 #include "../base/kinds.h"
 #include "../base/block_validity.h"
 #include "../embree/scene.h"
@@ -24,7 +25,7 @@ namespace {
  *  of moving blocks without bounds. */
 class TreeConverter {
 public:
-  TreeConverter(const SurfaceBlocks& surface, bool moves, FileSurface& to) : to(to) {
+  TreeConverter(const SurfaceBlocks& surface, bool moves, FileSurface& to) : statistics(surface.statistics), to(to) {
     to.record.form = moves ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
     if (to.record.form == FILE_TREE) node(surface.root);
     if (to.record.form == FILE_LIST)
@@ -32,6 +33,8 @@ public:
     if (to.record.form == FILE_MOVING)
       for (size_t ref : surface.moving) entry(BBox3fa(Vec3fa(zero), Vec3fa(zero)), BVH4::NodeRef(ref));
   }
+
+  SurfaceStatistics statistics; //!< of the blocks in the file
 
 private:
   uint64_t leaf(BVH4::NodeRef ref) {
@@ -55,6 +58,9 @@ private:
   uint64_t tile(const VertHeader* tile) {
     alignas(blockAlignment) uint8_t block[maxBlockBytesOfTile];
     const size_t bytes = blockOfTile(tile, encoder, block);
+    BlockBytes(tile, tileBytes(tile)).removeFrom(statistics.sums);
+    BlockBytes((const VertHeader*)block, bytes).addTo(statistics.sums);
+    statistics.sums.numRawBlocks += isRaw(((const VertHeader*)block)->info);
     return to.append(FILE_VERT, to.keep(block, bytes), uint32_t(bytes), offsetof(VertHeader, surface));
   }
 
@@ -127,7 +133,7 @@ uint32_t sourceOf(const CompressibleGeometry* geometry) {
 FileSurface toFileSurface(const CompressibleGeometry* geometry, const SurfaceBlocks& blocks) {
   FileSurface surface;
   const bool moves = geometry->numTimeSteps != 1;
-  TreeConverter(blocks, moves, surface);
+  const TreeConverter converter(blocks, moves, surface);
   FileGeometry& record = surface.record;
   record.source = sourceOf(geometry);
   record.numPrimitives = geometry->numPrimitives;
@@ -142,7 +148,7 @@ FileSurface toFileSurface(const CompressibleGeometry* geometry, const SurfaceBlo
     record.lower[k] = blocks.bounds.lower[k];
     record.upper[k] = blocks.bounds.upper[k];
   }
-  setStatistics(record, blocks.statistics);
+  setStatistics(record, converter.statistics);
   return surface;
 }
 } // namespace embree::cbvh

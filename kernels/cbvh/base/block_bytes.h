@@ -1,0 +1,43 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* How the bytes of blocks and tiles are divided in statistics (CompressionStatistics::headerBytes to leafBytes). */
+
+#include "../../cvert/format/tile.h"
+#include "codec_names.h"
+#include <cstddef>
+
+namespace embree::cbvh { inline namespace CBVH_ISA {
+/*! Bytes of memory that are reserved per tile: most have 3 or 4 bytes per vertex. */
+static const size_t expectedTileBytes = 1408;
+
+struct BlockBytes {
+  size_t header, nodes, leaves;
+
+  /*! block: a cVERT block or a tile. size: in bytes, without padding. */
+  BlockBytes(const VertHeader* block, size_t size) {
+    const VertLayout layout = vertLayout(block->region, block->info);
+    const bool isTile = cbvh::isTile(block->info);
+    header = isTile ? tileBoxesOffset(block->info) : layout.margins;
+    const size_t nodesEnd = isTile               ? tileVerticesOffset(block->region, block->info)
+                            : isRaw(block->info) ? layout.margins
+                                                 : layout.cell;
+    nodes = nodesEnd - header;
+    leaves = ((size + blockAlignment - 1) & ~size_t(blockAlignment - 1)) - nodesEnd;
+  }
+
+  /*! sums: CompressionStatistics. */
+  template<typename Sums> void addTo(Sums& sums) const {
+    sums.headerBytes += header;
+    sums.nodeBytes += nodes;
+    sums.leafBytes += leaves;
+  }
+  template<typename Sums> void removeFrom(Sums& sums) const {
+    sums.headerBytes -= header;
+    sums.nodeBytes -= nodes;
+    sums.leafBytes -= leaves;
+  }
+};
+}} // namespace embree::cbvh::CBVH_ISA
