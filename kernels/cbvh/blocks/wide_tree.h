@@ -53,8 +53,18 @@ private:
 
   /*! Least cost of a subtree's nodes if at most i + 1 children of the wide node above replace it. */
   struct Costs {
-    float at[wideChildren];
+    double at[wideChildren];
   };
+
+  /*! Half of the surface area. Finite: infinity marks what is impossible. */
+  static double costOf(const BBox3fa& bounds) {
+    double size[3];
+    for (size_t axis = 0; axis < 3; axis++) {
+      const double difference = double(bounds.upper[axis]) - double(bounds.lower[axis]);
+      size[axis] = difference > 0.0 ? min(difference, 1e39) : 0.0;
+    }
+    return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+  }
 
   /*! How a node of the BVH4 is joined if at most i + 1 children replace it. */
   struct Joint {
@@ -68,7 +78,7 @@ private:
   Costs visit(BVH4::NodeRef ref, const BBox3fa& bounds) {
     Costs costs;
     if (!isInner(ref)) {
-      for (float& cost : costs.at) cost = 0.0f;
+      for (double& cost : costs.at) cost = 0.0;
       return costs;
     }
     const size_t index = joints.size();
@@ -77,21 +87,21 @@ private:
     Joint joint;
     joint.node = node;
     joint.joined = 0;
-    float sum[wideChildren]; // of the children so far, for i + 1 children of the wide node
+    double sum[wideChildren]; // of the children so far, for i + 1 children of the wide node
     size_t numChildren = 0;
     for (size_t c = 0; c < 4; c++) {
       if (node->child(c) == BVH4::emptyNode) continue;
       joint.joints[c] = uint32_t(joints.size());
       const Costs child = visit(node->child(c), node->bounds(c));
       for (size_t i = wideChildren; i-- > 0;) {
-        float best = pos_inf;
+        double best = pos_inf;
         uint8_t share = 0;
         if (numChildren == 0) {
           best = child.at[i];
           share = uint8_t(i + 1);
         } else {
           for (size_t j = 0; j < i; j++) {
-            const float cost = child.at[j] + sum[i - j - 1];
+            const double cost = child.at[j] + sum[i - j - 1];
             if (cost < best) {
               best = cost;
               share = uint8_t(j + 1);
@@ -103,9 +113,9 @@ private:
       }
       numChildren++;
     }
-    const float own = area(bounds) + sum[wideChildren - 1];
+    const double own = costOf(bounds) + sum[wideChildren - 1];
     for (size_t i = 0; i < wideChildren; i++) {
-      const bool isJoined = sum[i] < own;
+      const bool isJoined = sum[i] <= own;
       costs.at[i] = isJoined ? sum[i] : own;
       if (isJoined) joint.joined |= uint16_t(1u << i);
     }
