@@ -120,8 +120,8 @@ static __forceinline const WideNode* wideRoot(const BVH4* bvh) {
 
 void CompressedSubdivTraversal1::intersect(const Accel::Intersectors* This, RayHit& ray, IntersectContext* context) {
   const BVH4* bvh = (const BVH4*)This->ptr;
-  if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
   if (const WideNode* root = wideRoot(bvh)) return cbvh::intersectWide(root, ray, context);
+  if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::isValidRay(ray))) return;
   const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
   cbvh::StaticRay state(ray, bvh, isFiltered);
   cbvh::StaticLeaves leaves(This, context, state);
@@ -131,12 +131,12 @@ void CompressedSubdivTraversal1::intersect(const Accel::Intersectors* This, RayH
 
 void CompressedSubdivTraversal1::occluded(const Accel::Intersectors* This, Ray& ray, IntersectContext* context) {
   const BVH4* bvh = (const BVH4*)This->ptr;
-  // tfar < 0: Embree's mark of an any-hit ray that has found a hit
-  if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::isValidRay(ray))) return;
   if (const WideNode* root = wideRoot(bvh)) {
     if (cbvh::isOccludedWide(root, ray, context)) ray.tfar = neg_inf;
     return;
   }
+  // tfar < 0: Embree's mark of an any-hit ray that has found a hit
+  if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::isValidRay(ray))) return;
   cbvh::StaticRay state(ray, bvh, false);
   cbvh::StaticLeaves leaves(This, context, state);
   if (cbvh::traverseAnyHit1(bvh->root, cbvh::StaticNodes(), ray, leaves)) ray.tfar = neg_inf;

@@ -20,11 +20,12 @@
 
 namespace embree::isa::cbvh {
 /*! True if origin and direction are finite, and tnear <= tfar. Other rays hit nothing. */
-__forceinline bool isValidRay(const Ray& ray) {
+__forceinline bool isValidRay(const Ray& ray, const vfloat4& org, const vfloat4& dir) {
   const vfloat4 bound(pos_inf);
   const bool isRange = ray.tnear() <= ray.tfar;
-  return all((abs(loadOfRay(&ray.org.x)) < bound) & (abs(loadOfRay(&ray.dir.x)) < bound)) & isRange;
+  return all((abs(org) < bound) & (abs(dir) < bound)) & isRange;
 }
+__forceinline bool isValidRay(const Ray& ray) { return isValidRay(ray, loadOfRay(&ray.org.x), loadOfRay(&ray.dir.x)); }
 
 template<int K>
 __forceinline vbool<K> isValidRay(const RayK<K>& rays) {

@@ -14,8 +14,8 @@ class WideRay {
 public:
   static const int vectors = int(wideChildren) / vectorWidth;
 
-  __forceinline explicit WideRay(const Ray& ray) : tnear(max(ray.tnear(), 0.0f)) {
-    const vfloat4 o = loadOfRay(&ray.org.x), d = loadOfRay(&ray.dir.x);
+  /*! o, d: origin and direction, see loadOfRay. Requires isValidRay(). */
+  __forceinline WideRay(const Ray& ray, const vfloat4& o, const vfloat4& d) : tnear(max(ray.tnear(), 0.0f)) {
     const PlaneFactors factors(d);
     org = components(o);
     near = components(factors.near);
@@ -70,7 +70,9 @@ static const size_t wideStackSize = 1 + (wideChildren - 1) * BVH4::maxDepth;
 /*! Finds the closest hit of a ray. intersect(ref): intersects a leaf. */
 template<typename Intersect>
 __forceinline void traverseClosestHit(const WideNode* root, RayHit& ray, Intersect& intersect) {
-  const WideRay wideRay(ray);
+  const vfloat4 org = loadOfRay(&ray.org.x), dir = loadOfRay(&ray.dir.x);
+  if (unlikely(!isValidRay(ray, org, dir))) return;
+  const WideRay wideRay(ray, org, dir);
   WideEntry stack[wideStackSize];
   WideEntry* top = stack;
   BVH4::NodeRef cur = size_t(root);
@@ -117,7 +119,10 @@ __forceinline void traverseClosestHit(const WideNode* root, RayHit& ray, Interse
 /*! Returns true if the ray has a hit. isHit(ref): returns true if a leaf has one. */
 template<typename IsHit>
 __forceinline bool traverseAnyHit(const WideNode* root, Ray& ray, IsHit& isHit) {
-  const WideRay wideRay(ray);
+  const vfloat4 org = loadOfRay(&ray.org.x), dir = loadOfRay(&ray.dir.x);
+  // tfar < 0: Embree's mark of an any-hit ray that has found a hit
+  if (unlikely(ray.tfar < 0.0f || !isValidRay(ray, org, dir))) return false;
+  const WideRay wideRay(ray, org, dir);
   size_t stack[wideStackSize];
   size_t* top = stack;
   *top++ = size_t(root);
