@@ -86,8 +86,8 @@ public:
   mvector<PrimRef> prims;
   mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks per step, in the order of prims
 
-  /*! Buffered bytes above which flushIfFull() flushes. Small, because Embree's allocator leaves the end of a chunk
-   *  unused if the next allocation does not fit. */
+  /*! Buffered bytes above which flushIfFull() flushes. Small, because the end of a piece of memory stays unused if
+   *  the next allocation does not fit. */
   static const size_t flushThresholdBytes = 1 << 14;
 
 private:

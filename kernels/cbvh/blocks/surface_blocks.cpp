@@ -7,7 +7,10 @@
 #include "stored_triangles.h"
 #include <algorithm>
 #include <functional>
+#include <new>
 #include <set>
+#include <sys/mman.h>
+#include <unistd.h>
 #include <vector>
 
 namespace embree {
@@ -98,41 +101,94 @@ std::shared_ptr<const SurfaceBlocks> setBlocks(CompressibleGeometry* geometry,
   return geometry->surface.blocks;
 }
 
+/*! Size of large pages, and of pieces that lie in them. */
+static const size_t largePageBytes = size_t(2) << 20;
+
+/*! Estimated size of a surface whose blocks lie in large pages, and number of pieces of a smaller one. */
+static const size_t minBytesForLargePages = size_t(4) << 20, numSmallPieces = 20;
+
 BlockMemory::BlockMemory(Device* device) : device(device) {}
 
 BlockMemory::~BlockMemory() {
   for (const Piece& piece : pieces) {
-    alignedFree(piece.data);
+    if (piece.isMapped) ::munmap(piece.data, piece.bytes);
+    else alignedFree(piece.data);
     device->memoryMonitor(-ssize_t(piece.bytes), true);
   }
 }
 
-void BlockMemory::reserve(size_t bytes) {
+void BlockMemory::reserve(size_t blockBytes, size_t nodeBytes) {
   static_assert(alignof(FastAllocator) <= 16, "alignment of new");
-  if (bytes == 0) return;
   allocator.reset(new FastAllocator(device, true));
-  allocator->init_estimate(bytes);
-  maxPooledBytes = min(bytes / chunks, size_t(maxChunkBytes)) / piecesPerChunk;
+  allocator->init_estimate(nodeBytes);
+  pieceBytes = blockBytes >= minBytesForLargePages ? largePageBytes : blockBytes / numSmallPieces;
 }
 
 void* BlockMemory::allocate(size_t bytes) {
-  if (allocator && bytes <= maxPooledBytes) return allocator->getCachedAllocator().malloc1(bytes, blockAlignment);
+  bytes = (bytes + blockAlignment - 1) & ~size_t(blockAlignment - 1);
+  Lock<MutexSys> lock(mutex);
+  if (bytes > pieceBytes / allocationsPerPiece) {
+    addPiece(bytes);
+    return pieces.back().data;
+  }
+  if (bytes > size_t(end - next)) {
+    if (pieceBytes == largePageBytes) addLargePages();
+    else addPiece(pieceBytes);
+    next = pieces.back().data;
+    end = next + pieces.back().bytes;
+  }
+  char* const data = next;
+  next += bytes;
+  return data;
+}
+
+/*! So that adding a piece does not throw. */
+void BlockMemory::reservePiece() {
+  if (pieces.size() == pieces.capacity()) pieces.reserve(2 * pieces.size() + 1);
+}
+
+void BlockMemory::addPiece(size_t bytes) {
+  reservePiece();
   device->memoryMonitor(ssize_t(bytes), false);
-  Piece piece = {nullptr, bytes};
   try {
-    piece.data = alignedMalloc(bytes, blockAlignment);
-    Lock<MutexSys> lock(mutex);
-    pieces.push_back(piece);
+    pieces.push_back(Piece{(char*)alignedMalloc(bytes, blockAlignment), bytes, false});
   } catch (...) {
-    if (piece.data) alignedFree(piece.data);
     device->memoryMonitor(-ssize_t(bytes), true);
     throw;
   }
-  return piece.data;
 }
 
-void BlockMemory::detachThreads() {
+/*! Adds a piece of the size and alignment of a large page. Maps twice as much, and keeps the aligned part. */
+void BlockMemory::addLargePages() {
+  reservePiece();
+  device->memoryMonitor(ssize_t(largePageBytes), false);
+  char* const mapped =
+      (char*)::mmap(nullptr, 2 * largePageBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (mapped == MAP_FAILED) {
+    device->memoryMonitor(-ssize_t(largePageBytes), true);
+    throw std::bad_alloc();
+  }
+  const size_t before = size_t(-intptr_t(mapped)) & (largePageBytes - 1);
+  if (before) ::munmap(mapped, before);
+  ::munmap(mapped + before + largePageBytes, largePageBytes - before);
+#if defined(MADV_HUGEPAGE)
+  ::madvise(mapped + before, largePageBytes, MADV_HUGEPAGE); // fails on systems without
+#endif
+  pieces.push_back(Piece{mapped + before, largePageBytes, true});
+}
+
+void BlockMemory::finish() {
   if (allocator) allocator->cleanup();
+  const size_t page = size_t(::sysconf(_SC_PAGESIZE));
+  for (Piece& piece : pieces) { // the one that contains free memory
+    if (!piece.isMapped || piece.data + piece.bytes != end) continue;
+    const size_t kept = (size_t(next - piece.data) + page - 1) & ~(page - 1);
+    if (kept < piece.bytes && ::munmap(piece.data + kept, piece.bytes - kept) == 0) {
+      device->memoryMonitor(-ssize_t(piece.bytes - kept), true);
+      piece.bytes = kept;
+    }
+  }
+  next = end = nullptr;
 }
 } // namespace cbvh
 

@@ -40,9 +40,6 @@ static const size_t expectedBlockBytes = 928;
 /*! Bytes reserved per mesh block, about the size of one with 256 triangles. */
 static const size_t expectedMeshBlockBytes = 1664;
 
-/*! Chunk size of Embree's allocator for meshes below 16 MiB. */
-static const size_t smallChunkBytes = 2048;
-
 /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */
 template<typename Source>
 class SourceBuilder final : public SurfaceBuilder {
@@ -76,13 +73,10 @@ public:
   std::shared_ptr<const SurfaceBlocks> build(const Progress& progress) override {
     std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device, number);
     const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
-    size_t bytes = estimatedBlocks * sizeof(BVH4::AABBNode) / 2 +
-                   (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? cbvh::expectedTileBytes : expectedBlockBytes) +
-                   meshBlocks * expectedMeshBlockBytes;
-    // Embree's allocator allocates chunks of a twentieth of this, at most 2 MiB. BlockMemory allocates pieces above
-    // an eighth of a chunk separately: with small chunks, most pieces of a mesh.
-    if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes, size_t(20) * smallChunkBytes);
-    blocks->memory.reserve(isSmall() ? 0 : bytes);
+    const size_t bytes =
+        (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? cbvh::expectedTileBytes : expectedBlockBytes) +
+        meshBlocks * expectedMeshBlockBytes;
+    if (!isSmall()) blocks->memory.reserve(bytes, estimatedBlocks * sizeof(BVH4::AABBNode) / 2);
     source.prepare(perTask, progress);
     if (irregular) irregular->prepare(bordersOf(source, 0), progress);
     mvector<PrimRef> prims(device, 0);
@@ -96,7 +90,7 @@ public:
       if (plan.moves()) blocks->boxes = boxes;
     }
     buildTree(*blocks, prims, progress);
-    blocks->memory.detachThreads();
+    blocks->memory.finish();
     return blocks;
   }
 

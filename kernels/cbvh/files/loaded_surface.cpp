@@ -61,7 +61,7 @@ public:
     const FileGeometry& record = file.geometry(i);
     if (record.form != FILE_TREE) return;
     const size_t tileBytes = makesTilesOfFiles(device) ? size_t(record.numBlocks) * expectedTileBytes : 0;
-    surface.memory.reserve(size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode) + tileBytes);
+    surface.memory.reserve(tileBytes, size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode));
   }
 
   Ref leaf(FileChild child, uint64_t offset) {
@@ -141,7 +141,7 @@ std::shared_ptr<const SurfaceBlocks> loadSurface(const std::shared_ptr<const Fil
     surface->root = isa::moveLargestNodes(root, size_t(reader.numNodes()), *surface->memory.pool());
     isa::TreeCutter(surface->parts).cut(surface->root, surface->bounds);
   }
-  surface->memory.detachThreads();
+  surface->memory.finish();
   invalidateThreadCaches(); // other blocks may have had these addresses
   return surface;
 }
