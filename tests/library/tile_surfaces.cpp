@@ -295,13 +295,14 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
     EXPECT_EQ(bytesOf(tiles).size(), bytesOf(blocks).size());
     attach(loaded, loadGeometryFile(device, tiles.c_str()));
     attach(loadedTiles, loadGeometryFile(tileDevice, blocks.c_str()));
-    for (RTCScene scene : {traced, compressed, loaded, loadedTiles}) rtcCommitScene(scene);
+    for (RTCScene scene : std::initializer_list<RTCScene>{traced, compressed, loaded, loadedTiles})
+      rtcCommitScene(scene);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     ASSERT_EQ(tileDevice.takeError(), RTC_ERROR_NONE) << tileDevice.message;
     expectEqualBytes(loaded, compressed);
     expectEqualBytes(loadedTiles, traced);
     const std::vector<RTCRayHit> some = rays(), expected = closestHits(traced, some, QueryForm::Single);
-    for (RTCScene scene : {loaded, loadedTiles}) {
+    for (RTCScene scene : std::initializer_list<RTCScene>{loaded, loadedTiles}) {
       const std::vector<RTCRayHit> found = closestHits(scene, some, QueryForm::Single);
       size_t hits = 0;
       for (size_t i = 0; i < some.size(); i++) {
