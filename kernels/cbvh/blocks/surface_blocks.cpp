@@ -104,8 +104,9 @@ std::shared_ptr<const SurfaceBlocks> setBlocks(CompressibleGeometry* geometry,
 /*! Size of large pages, and of pieces that lie in them. */
 static const size_t largePageBytes = size_t(2) << 20;
 
-/*! Estimated size of a surface whose blocks lie in large pages, and number of pieces of a smaller one. */
-static const size_t minBytesForLargePages = size_t(4) << 20, numSmallPieces = 20;
+/*! Estimated size of a surface whose blocks lie in large pages: the peak of memory includes the last piece as a whole.
+ *  Smaller ones have about numSmallPieces pieces. */
+static const size_t minBytesForLargePages = size_t(16) << 20, numSmallPieces = 20;
 
 BlockMemory::BlockMemory(Device* device) : device(device) {}
 
