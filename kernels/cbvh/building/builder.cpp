@@ -9,7 +9,7 @@
 #include "../base/thread_cache.h"
 #include "cage_source.h"
 #include "commit_line.h"
-#include "../blocks/compressed_tree.h"
+#include "../blocks/wide_tree.h"
 #include "grid_source.h"
 #include "input_bytes.h"
 #include "moving_blocks.h"

@@ -6,7 +6,8 @@
 /* Embree's box and triangle tests, the leaves of GRID and their intersectors, traversal of single rays, packets and
  * streams, and epilogues, which report hits and call filters. */
 
-#include "ray.h"
+#include "simd.h"
+#include "../../common/ray.h"
 #include "../../geometry/grid_soa.h"
 #include "../../geometry/intersector_epilog.h"
 #include "../../geometry/triangle_intersector_pluecker.h"

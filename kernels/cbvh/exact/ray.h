@@ -12,7 +12,7 @@
 #include "../base/vectors.h"
 #include "../base/codec_names.h"
 #include "../../cvert/rule/rule.h"
-#include "../embree/ray.h"
+#include "../embree/traversal.h"
 
 namespace embree::isa::cbvh {
 /*! Members that VertRay and VertRays share: a ray, or rays in lanes, in world space. */

@@ -8,7 +8,7 @@
 #include "local_ray.h"
 #include "nearest_hit.h"
 #include "../base/vectors.h"
-#include "../embree/ray.h"
+#include "../embree/traversal.h"
 
 namespace embree::isa::cbvh {
 using namespace embree::cbvh;

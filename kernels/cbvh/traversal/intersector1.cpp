@@ -6,9 +6,7 @@
 
 #include "queries1.h"
 #include "top_level1.h"
-#include "wide_tree1.h"
 #include "../base/leaf_type.h"
-#include "../blocks/compressed_tree.h"
 #include "../exact/tile_intersector1.h"
 #include "../paper/interface.h"
 
