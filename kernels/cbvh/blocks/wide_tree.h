@@ -21,7 +21,6 @@ public:
     if (!isInner(root)) return;
     visit(root, bounds);
     nodes.resize(countNodes(0));
-    for (WideNode& node : nodes) node = WideNode();
     next = 0;
     write(0);
   }

@@ -328,11 +328,14 @@ private:
 
 /*! Lanes of the vertices of a leaf's triangles. */
 struct LeafTriangleLanes {
-  uint8_t at[tileLeavesAtOnce][32][3]; //!< [second leaf][2 (column + 4 row) of the quad + 1 for the second triangle]
+  static const uint32_t triangles = 2 * leafQuadsX * leafQuadsY;
+
+  /*! [second leaf][2 (column + 4 row) of the quad + 1 for the second triangle] */
+  uint8_t at[tileLeavesAtOnce][triangles][3];
 
   constexpr LeafTriangleLanes() : at() {
     for (uint32_t slot = 0; slot < uint32_t(tileLeavesAtOnce); slot++)
-      for (uint32_t i = 0; i < 2 * leafQuadsX * leafQuadsY; i++) {
+      for (uint32_t i = 0; i < triangles; i++) {
         const uint32_t x = (i >> 1) % leafQuadsX, y = (i >> 1) / leafQuadsX, second = i & 1u;
         at[slot][i][0] = uint8_t(LeafLayout::laneOf(slot, x, y + second));
         at[slot][i][1] = uint8_t(LeafLayout::laneOf(slot, x + 1, y));

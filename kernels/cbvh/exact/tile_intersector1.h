@@ -25,6 +25,7 @@ public:
     const vfloat4 unit = vfloat4(vint4(extend8(loadFour(header + tileBoxStepOffset)))) * spacing;
     const vfloat4 rcp = vfloat4::load(ray.rcp),
                   distance = withoutFourth(vfloat4::loadu(tile->origin)) - vfloat4::load(ray.org);
+    // planes are at most 255 steps of at most 255 spacings from the origin
     const vfloat4 largestSpacing = max(max(spacing, shuffle<1, 2, 0, 1>(spacing)), shuffle<2, 0, 1, 2>(spacing));
     const vfloat4 slack = vfloat4(tileSlackUlps * floatUlp) *
                           (abs(distance) + vfloat4(float((maxBoxByte + 1) * maxBoxByte)) * largestSpacing) * abs(rcp);
@@ -158,7 +159,7 @@ public:
 
   /*! index: of the triangle in its group of 4 x 4 quads, as for blocks. */
   __forceinline VertTriangle triangle(uint32_t index) const {
-    return VertTriangle(vertices, leafTriangleLanes.at[slot][index & 15u]);
+    return VertTriangle(vertices, leafTriangleLanes.at[slot][index % LeafTriangleLanes::triangles]);
   }
   __forceinline TriangleSides<float> sides(uint32_t index) const {
     return halves[index & 1u].at(8 * slot + ((index >> 1) & 7u));
@@ -195,7 +196,8 @@ public:
 private:
   static const bool isAnyHit = IsAnyHit<RayType>::value;
 
-  __forceinline TileIntersector1(RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* header)
+  __forceinline TileIntersector1(RayType& ray, IntersectContext* context, const VertRay& vertRay,
+                                 const VertHeader* header)
     : ray(ray),
       context(context),
       vertRay(vertRay),
@@ -240,7 +242,7 @@ private:
 
   RayType& ray;
   IntersectContext* const context;
-  VertRay& vertRay;
+  const VertRay& vertRay;
   const TileBlock tile;
 };
 

@@ -78,7 +78,7 @@ private:
   StaticRay& state;
 };
 
-/*! Blocks below wide nodes. */
+/*! Blocks below wide nodes, which the builder makes for these types only. */
 template<typename RayType>
 class WideLeaves {
 public:
@@ -88,9 +88,13 @@ public:
   __forceinline bool operator()(BVH4::NodeRef leaf) {
     size_t type;
     const void* const prim = leaf.leaf(type);
-    if (likely(type == TILE_BLOCK)) return intersectTile(ray, context, vert, (const VertHeader*)prim);
-    if (type == VERT_BLOCK) return intersectVert(ray, context, vert, (const VertHeader*)prim);
-    return intersectMesh(ray, context, vert, prim);
+    switch (BlockType(__builtin_expect(long(type), TILE_BLOCK))) {
+    case TILE_BLOCK: return intersectTile(ray, context, vert, (const VertHeader*)prim);
+    case VERT_BLOCK: return intersectVert(ray, context, vert, (const VertHeader*)prim);
+    case MESH_BLOCK: return intersectMesh(ray, context, vert, prim);
+    case FRAMED_BLOCK: break; // not below wide nodes
+    }
+    return false;
   }
 
 private:
