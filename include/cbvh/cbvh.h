@@ -23,8 +23,9 @@
  *   cbvhCommitGroup(group);
  *   if (cbvhIntersect1(group, &ray, NULL)) ...
  *
- * Surfaces are stored as cVERT: the triangles of a fine tessellation with vertices on a lattice. Displaced cages mostly
- * need 2 to 4 bytes per quad, irregular meshes 7 to 8 bytes per triangle. docs/precision.md lists noisy surfaces.
+ * Surfaces are stored as the triangles of a fine tessellation with vertices on a lattice. Displaced cages mostly need 5
+ * to 7 bytes per quad as tiles (cTILE), the default at rest, and 2 to 4 as cVERT, which rays decode; irregular meshes
+ * need 7 to 8 bytes per triangle. docs/precision.md lists noisy surfaces.
  *
  * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on
  * failure. cbvhGetErrorText returns the message of the last error. Functions that return a count, a pointer or bounds
@@ -127,8 +128,10 @@ typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char
  * settings: in the syntax of Embree's device configuration, for example "threads=4,isa=avx2". NULL selects the
  *           defaults. An unknown key or instruction set is an error whose message names the nearest valid one.
  *           "cbvh_max_error=0.01" changes the default of CbvhAccuracy, where 0 is lossless, and so does max_error in
- *           the environment variable EMBREE_CBVH, whose item verbose prints a line per commit of a group. Settings
- *           that select a representation have no effect.
+ *           the environment variable EMBREE_CBVH, whose item verbose prints a line per commit of a group.
+ *           "subdiv_accel=cbvh.vert" stores surfaces as cVERT instead of tiles, "cbvh_memory=512M" limits the memory of
+ *           the context's surfaces (embree3/rtcore_compression.h); EMBREE_CBVH has the items vert and memory=512M.
+ *           Other representations have no effect.
  * function: called for errors, or NULL.
  * userPtr:  passed to the function.
  * context:  written on success.
@@ -831,10 +834,10 @@ CBVH_API void cbvhOccludedGeometry(const struct CbvhGeometryQuery* query);
 
 /* --- access to stored triangles ----------------------------------------------------------
  *
- * Only cVERT and cGRID store triangles. Surfaces of cbvhCommitSurface have them. Functions of this section, and
+ * Only cTILE, cVERT and cGRID store triangles. Surfaces of cbvhCommitSurface have them. Functions of this section, and
  * cbvhForEachCluster, fail with CBVH_ERROR_INVALID_OPERATION for others: a surface from a file of another
- * representation, and a surface of a geometry that is not compressed, or whose parts are not all stored as cVERT or
- * cGRID. */
+ * representation, and a surface of a geometry that is not compressed, or whose parts are not all stored as one of
+ * these. */
 
 /* A stored triangle. */
 struct CbvhTriangle {

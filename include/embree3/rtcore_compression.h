@@ -16,15 +16,21 @@
  *   the remaining triangles in mesh blocks. A mesh with several time steps is stored either completely in grids or
  *   completely in mesh blocks.
  *
- * Grids and meshes are always stored as cVERT. Grids that compression would not make smaller are left to Embree's own
- * kernels, and so are meshes with RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless
- * RTC_COMPRESSION_FLAG_SMALL_MESHES is set. The representation of a geometry is the first of these that is set:
+ * Grids, meshes and moving geometry are always stored exactly: at rest as cTILE if that is selected, otherwise as
+ * cVERT. Grids that compression would not make smaller are left to Embree's own kernels, and so are meshes with
+ * RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless RTC_COMPRESSION_FLAG_SMALL_MESHES is set. The
+ * representation of a geometry is the first of these that is set:
  *
  * 1. the arguments of rtcSetGeometryCompression,
  * 2. the device string, for example "subdiv_accel=cbvh.leaf,cbvh_frame_level=2",
- * 3. the environment variable EMBREE_CBVH, for example "leaf,frame_level=2". "1" selects cVERT. "1,triangles=0" leaves
+ * 3. the environment variable EMBREE_CBVH, for example "leaf,frame_level=2". "1" selects cTILE. "1,triangles=0" leaves
  *    triangle meshes to Embree; quads=0 and grids=0 do the same for quad meshes and grids.
  * 4. Embree's default, which does not compress.
+ *
+ * "cbvh_memory=512M" in the device string, or "memory=512M" in EMBREE_CBVH, limits what all compressed geometry of the
+ * device takes after a commit. Each commit of a scene then chooses for its surfaces in cTILE between cTILE and cVERT,
+ * which have the same hits: tiles where they fit, first for surfaces that many rays reach. If cVERT exceeds the limit,
+ * the commit fails with RTC_ERROR_OUT_OF_MEMORY, and the message names the least possible limit.
  *
  * Compression leaves out quads with a vertex that is not finite, and grids that refer to vertices outside of the vertex
  * buffer. All other geometry is committed. The commit reports RTC_ERROR_INVALID_ARGUMENT on the committing thread for
@@ -38,9 +44,9 @@
  * Faces that Embree's subdivision does not support are left out without an error, and the commit prints a line on
  * stderr. See RTCCompressionStatistics::numUnsupportedFaces.
  *
- * Surfaces in cVERT, and in cLEAF with fallbackFaces, are watertight: one of the faces that share an edge or a corner
- * owns it, and all of them use the vertices that the owner evaluates. Grids of one geometry are watertight where they
- * share border vertices, by index or by equal floats.
+ * Surfaces in cVERT and cTILE, and in cLEAF with fallbackFaces, are watertight: one of the faces that share an edge or
+ * a corner owns it, and all of them use the vertices that the owner evaluates. Grids of one geometry are watertight
+ * where they share border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
  * struct. In C++ default member initializers set structSize and all other members. In C write, for example, `struct
@@ -210,7 +216,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  *
  * The geometry owns its blocks. All scenes that it is attached to share them. A commit builds them again if the surface
  * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is always
- * stored as cVERT. If fallbackFaces is 0 and another representation is selected, moving cages are left to Embree.
+ * stored as cVERT. If fallbackFaces is 0 and cLEAF, cVOXEL or cGRID is selected, moving cages are left to Embree.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.
@@ -229,7 +235,7 @@ struct RTCCompressionStatistics {
   size_t topLevelBytes RTC_ZERO;     // full-precision BVH over blocks and grids
   size_t headerBytes RTC_ZERO;       // headers of all blocks: frame, IDs, parametrization
   size_t nodeBytes RTC_ZERO;         // compressed inner nodes
-  size_t leafBytes RTC_ZERO;         // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
+  size_t leafBytes RTC_ZERO;         // leaves: heights (cLEAF), vertices (others), none (cVOXEL)
   size_t uncompressedBytes RTC_ZERO; // Embree's grids of quads that are not compressed, see
                                      // numUncompressedQuads
   size_t numBlocks RTC_ZERO;

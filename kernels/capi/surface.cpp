@@ -413,9 +413,9 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr) {
   commitInput();
 }
 
-embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accuracy, bool isLossless) {
+embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accuracy, bool isLossless) const {
   embree::CompressionSettings settings;
-  settings.compression = RTC_COMPRESSION_CVERT;
+  settings.compression = core::exactCompression((embree::Device*)context->device);
   settings.releasesInput = true;
   settings.storesSmallMeshes = true; // the application may have no other way to trace them
   settings.warnsOfFaces = false;     // cbvhCommitGroup reports them

@@ -111,7 +111,7 @@ private:
 
   void commitInput();
 
-  static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
+  embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless) const;
 
   /* copies: true to copy the vertices. Otherwise they must exist as long as the geometry may be committed. */
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);

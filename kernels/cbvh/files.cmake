@@ -27,12 +27,12 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/files/mapped_blocks.cpp
   cbvh/files/loaded_geometry.cpp
   cbvh/files/loaded_surface.cpp
-  cbvh/files/loaded_tiles.cpp
   cbvh/backend/flat_scene.cpp
   cbvh/building/builder.cpp
   cbvh/blocks/stored_triangles.cpp
   cbvh/blocks/stored_clusters.cpp
   cbvh/blocks/surface_blocks.cpp
+  cbvh/blocks/surface_conversion.cpp
   cbvh/surface/input_checks.cpp
   cbvh/surface/mesh_regions.cpp
   cbvh/surface/quad_regions.cpp

@@ -57,8 +57,9 @@ bool isCompressedSubdivAccel(const std::string& subdivAccel) {
 
 /*! Keys of EMBREE_CBVH with a value; parseEnvironment() reads others too. In a device string they begin with
  *  "cbvh_". */
-static const char* const keys[] = {"frame_level", "max_error",     "fallback_faces", "grids", "quads",
-                                   "triangles",   "release_input", "exact_faces"}; // former name of fallback_faces
+static const char* const keys[] = {"frame_level", "max_error", "fallback_faces", "grids",      "quads",
+                                   "triangles",   "memory",    "release_input",  "exact_faces"}; // former name of
+                                                                                                 // fallback_faces
 
 static bool isKey(const std::string& name) {
   return std::find(std::begin(keys), std::end(keys), name) != std::end(keys);
@@ -107,6 +108,20 @@ void CompressionSettings::setMaxError(const std::string& name, const std::string
   maxError = e;
 }
 
+/*! For example "512M", "1.5G" or "1000000": bytes, or units of 2^10, 2^20 or 2^30. */
+void CompressionSettings::setMemory(const std::string& name, const std::string& value) {
+  std::istringstream stream(value);
+  stream.imbue(std::locale::classic());
+  double number = -1;
+  std::string unit;
+  if (stream >> number) stream >> unit;
+  const size_t power = unit.empty() ? 0 : lowerCase("kmg").find(lowerCase(unit)) + 1;
+  const double bytes = std::ldexp(number, int(10 * power));
+  if (unit.size() > 1 || power > 3 || !(bytes >= 1) || bytes > 0x1p62)
+    throwInvalid(name, value, "expected bytes, or a number with K, M or G, for example 512M");
+  memory = std::make_shared<cbvh::MemoryBudget>(size_t(bytes));
+}
+
 static bool parseSwitch(const std::string& name, const std::string& value) {
   if (value != "0" && value != "1") throwInvalid(name, value, "expected 0 or 1");
   return value == "1";
@@ -120,6 +135,7 @@ void CompressionSettings::set(const std::string& name, const std::string& key, c
   else if (key == "grids") compressesGrids = parseSwitch(name, value);
   else if (key == "quads") compressesQuads = parseSwitch(name, value);
   else if (key == "triangles") compressesTriangles = parseSwitch(name, value);
+  else if (key == "memory") setMemory(name, value);
   else releasesInput = parseSwitch(name, value);
 }
 

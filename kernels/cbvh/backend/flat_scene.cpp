@@ -9,12 +9,17 @@
 #include "../blocks/report.h"
 #include "flat_scene.h"
 #include "../blocks/surface_blocks.h"
+#include "../../cvert/encoder/tile_conversion.h"
 #include <limits>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
 namespace embree::cbvh { namespace {
+struct alignas(blockAlignment) BlockPiece {
+  uint8_t bytes[blockAlignment];
+};
+
 /*! The memory that the pointers of a FlatScene refer to. */
 struct OwnedScene : public FlatScene {
   std::vector<FlatNode> ownNodes;
@@ -23,6 +28,7 @@ struct OwnedScene : public FlatScene {
   std::vector<FlatGridLeaf> ownGridLeaves;
   std::vector<FlatGeometry> ownGeometries;
   std::vector<std::unique_ptr<float[]>> ownTransforms;
+  std::vector<std::unique_ptr<BlockPiece[]>> blocksOfTiles;
 };
 
 void copyVector(const Vec3fa& from, float* to) {
@@ -118,7 +124,7 @@ private:
     }
     if (type == GRID_SOA_ROOT) {
       const GridSOA* root = (const GridSOA*)data;
-      out.ownBlocks.push_back(FlatBlock{root, uint32_t(offsetof(GridSOA, data)) + root->rootOffset,
+      out.ownBlocks.push_back(FlatBlock{root, root, uint32_t(offsetof(GridSOA, data)) + root->rootOffset,
                                         gridLeafReferenceType, ids[root->geomID()]});
       return copySubtree(root->root(), root, checkedIndex(out.ownBlocks.size() - 1), nodesAbove);
     }
@@ -128,9 +134,6 @@ private:
                      "the scene cannot be flattened: the file of one of its geometries has a damaged block");
     const BlockRow row = rowOf(blockType);
     const uint32_t childType = row.referenceType(data);
-    if (childType == numReferenceTypes && blockType == TILE_BLOCK)
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                     "the scene cannot be flattened: its surfaces are stored as tiles (cTILE); expected cVERT");
     if (childType == numReferenceTypes)
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                      "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "
@@ -139,10 +142,21 @@ private:
     if (reference && *reference) return *reference;
     uint32_t surface;
     memcpy(&surface, data + row.surface, sizeof(surface));
-    out.ownBlocks.push_back(FlatBlock{data, row.bytes(data), childType, ids[surface]});
+    if (blockType == TILE_BLOCK) addBlockOfTile((const VertHeader*)data, childType, ids[surface]);
+    else out.ownBlocks.push_back(FlatBlock{data, data, row.bytes(data), childType, ids[surface]});
     const uint32_t added = makeReference(childType, checkedIndex(out.ownBlocks.size() - 1));
     if (reference) *reference = added;
     return added;
+  }
+
+  /*! Back ends decode cVERT. */
+  void addBlockOfTile(const VertHeader* tile, uint32_t type, uint32_t geomID) {
+    alignas(blockAlignment) uint8_t block[maxBlockBytesOfTile];
+    const size_t bytes = blockOfTile(tile, encoder, block);
+    const size_t pieces = (bytes + vertReadPadding + sizeof(BlockPiece) - 1) / sizeof(BlockPiece);
+    out.blocksOfTiles.emplace_back(new BlockPiece[pieces]());
+    memcpy(out.blocksOfTiles.back().get(), block, bytes);
+    out.ownBlocks.push_back(FlatBlock{out.blocksOfTiles.back().get(), tile, uint32_t(bytes), type, geomID});
   }
 
   static uint32_t checkedIndex(size_t i) {
@@ -155,6 +169,7 @@ private:
 
   OwnedScene& out;
   const SurfaceIDs& ids;
+  VertEncoder encoder;
   uint32_t depth = 0;
   /*! References to copied moving blocks: a tree contains a block once per time interval. */
   std::unordered_map<const void*, uint32_t> movingBlocks;
@@ -270,6 +285,7 @@ std::unique_ptr<OwnedScene> flatten(Scene* scene) {
     (isMovingTree(bvh->root) ? flat->movingTree : flat->staticTree) = TreeCopy(*flat, scene->surfaceIDs).copy(bvh);
   }
 
+  flat->hasOwnBlocks = !flat->blocksOfTiles.empty();
   flat->nodes = flat->ownNodes.data();
   flat->numNodes = flat->ownNodes.size();
   flat->movingNodes = flat->ownMovingNodes.data();

@@ -54,9 +54,9 @@ public:
   }
 
   /*! Adds a copy of a block. */
-  void add(const void* block, size_t size, const BBox3fa& bounds, uint32_t type) {
+  void add(const void* block, size_t size, const BBox3fa& bounds, uint32_t type, size_t readPadding = 0) {
     memcpy(reserve(size), block, size);
-    commit(size, bounds, type);
+    commit(size, bounds, type, readPadding);
   }
 
   /*! Bounds the size of the buffer. For writers whose blocks need not be contiguous; BuildResults::add() flushes

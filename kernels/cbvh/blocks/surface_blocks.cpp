@@ -101,6 +101,11 @@ std::shared_ptr<const SurfaceBlocks> setBlocks(CompressibleGeometry* geometry,
   return geometry->surface.blocks;
 }
 
+void replaceBlocks(CompressibleGeometry* geometry, const std::shared_ptr<const SurfaceBlocks>& blocks) {
+  Lock<MutexSys> lock(mutex);
+  geometry->surface.blocks = blocks;
+}
+
 /*! Size of large pages, and of pieces that lie in them. */
 static const size_t largePageBytes = size_t(2) << 20;
 
@@ -204,9 +209,21 @@ SurfaceBlocks::SurfaceBlocks(Device* device, const std::shared_ptr<const cbvh::S
     root(BVH4::emptyNode),
     bounds(empty),
     numPrimRefs(0),
+    counted(device->compression.memory),
     blockIndex(nullptr) {}
 
 SurfaceBlocks::~SurfaceBlocks() { delete blockIndex.load(); }
+
+size_t SurfaceBlocks::bytes() const {
+  const cbvh::CompressionStatistics& sums = statistics.sums;
+  const size_t blocks = sums.headerBytes + sums.nodeBytes + sums.leafBytes + sums.uncompressedBytes;
+  return sums.topLevelBytes + (mapped && !unconverted ? 0 : blocks);
+}
+
+void SurfaceBlocks::finish() {
+  memory.finish();
+  counted.set(bytes());
+}
 
 const cbvh::BlockIndex& SurfaceBlocks::index() const {
   if (const cbvh::BlockIndex* built = blockIndex) return *built;

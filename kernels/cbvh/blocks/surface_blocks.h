@@ -11,6 +11,7 @@
 #include "../base/step_box.h"
 #include "../base/surface_ids.h"
 #include "../base/surface_statistics.h"
+#include "../settings/memory_budget.h"
 #include <atomic>
 
 namespace embree {
@@ -42,11 +43,20 @@ struct SurfaceBlocks {
   uint32_t types = 0; //!< their types, as a mask: bit t for type t of leaves (base/leaf_type.h)
   cbvh::SurfaceStatistics statistics;
   std::shared_ptr<const cbvh::MappedBlocks> mapped; //!< null unless loaded from a file
+  /*! The surface as it was loaded, of one whose blocks were converted after that (surface_conversion.h), else null. */
+  std::shared_ptr<const SurfaceBlocks> unconverted;
+
+  /*! Bytes of blocks and tree in memory: without blocks that are mapped. */
+  size_t bytes() const;
+
+  /*! Must be called once built: releases unused memory, and counts the rest against the device's budget. */
+  void finish();
 
   /*! Returns the index for core::findTriangle(). The first call builds it. Thread-safe. Throws as BlockIndex(). */
   const cbvh::BlockIndex& index() const;
 
 private:
+  cbvh::BudgetedBytes counted;
   mutable std::atomic<const cbvh::BlockIndex*> blockIndex;
 };
 
@@ -67,5 +77,9 @@ std::shared_ptr<const SurfaceBlocks> blocksOf(const CompressibleGeometry* geomet
  *  Thread-safe. */
 std::shared_ptr<const SurfaceBlocks> setBlocks(CompressibleGeometry* geometry,
                                                const std::shared_ptr<const SurfaceBlocks>& blocks);
+
+/*! Replaces the blocks of a geometry by the same surface in another form. Scenes that trace the former keep them.
+ *  Thread-safe. */
+void replaceBlocks(CompressibleGeometry* geometry, const std::shared_ptr<const SurfaceBlocks>& blocks);
 } // namespace cbvh
 } // namespace embree

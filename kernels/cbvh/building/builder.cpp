@@ -9,6 +9,7 @@
 #include "../base/thread_cache.h"
 #include "cage_source.h"
 #include "commit_line.h"
+#include "form_choice.h"
 #include "../blocks/wide_tree.h"
 #include "grid_source.h"
 #include "input_bytes.h"
@@ -59,7 +60,7 @@ class CompressedBuilder : public Builder {
   CompressionReport* report;
   const bool moves;
   std::vector<uint64_t> buildIDsInTree; //!< of each surface in the tree; empty without a tree
-  size_t treeBytes = 0;                 //!< nodes of the scene's own tree
+  cbvh::BudgetedBytes treeBytes;        //!< nodes of the scene's own tree
 
   struct Surface {
     CompressibleGeometry* geometry;
@@ -76,6 +77,14 @@ class CompressedBuilder : public Builder {
         blocks(cbvh::blocksOf(geometry)) {}
 
     bool isCage() const { return geometry->ownType == Geometry::GTY_SUBDIV_MESH; }
+
+    /*! True if the scene chooses between tiles and cVERT, also for surfaces of files. */
+    bool hasChosenForm() const {
+      const RTCCompression form = geometry->device->compression.compression;
+      const bool mayBecomeTiles =
+          blocks->mapped ? form == RTC_COMPRESSION_CTILE || form == RTC_COMPRESSION_INHERIT : plan.mayBecomeTiles();
+      return mayBecomeTiles && cbvh::isConvertible(*blocks);
+    }
   };
 
 public:
@@ -83,10 +92,12 @@ public:
     : bvh(bvh),
       scene(scene),
       report(report),
-      moves(moves) {}
+      moves(moves),
+      treeBytes(scene->device->compression.memory) {}
 
   void clear() {
     buildIDsInTree.clear();
+    treeBytes.set(0);
     bvh->set(BVH4::emptyNode, empty, 0);
     wideNodes().clear();
   }
@@ -103,6 +114,8 @@ public:
     const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder"
                                           : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
     buildBlocks(surfaces);
+    if (reusesTree) listBlocks(surfaces);
+    else buildTrees(surfaces);
     cbvh::BuildStatistics total;
     std::set<const void*> counted;
     for (const Surface& surface : surfaces) {
@@ -111,11 +124,7 @@ public:
       reportUnsupported(surface, before);
       if (surface.plan.compresses()) total.sums.inputBytes += bytesOfInput(surface.geometry, counted);
     }
-    if (!reusesTree) {
-      treeBytes = moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode) + buildWideTree();
-      buildIDsInTree = buildIDsOf(surfaces);
-    }
-    total.sums.topLevelBytes += treeBytes;
+    total.sums.topLevelBytes += treeBytes.get();
     report->statistics = total.sums;
     report->statistics.cacheBytesPerThread = cbvh::threadCacheBytes(cachesOf(surfaces));
     cbvh::updateSurfaceIDs(scene);
@@ -184,7 +193,6 @@ private:
   }
 
   void add(const Surface& surface, cbvh::BuildStatistics& total) {
-    report->surfaces.push_back(surface.blocks);
     total.add(surface.blocks->statistics);
     const cbvh::SurfaceStatistics& statistics = surface.blocks->statistics;
     if (statistics.sums.numInvalidQuads && surface.geomID < total.sums.firstInvalidGeometry &&
@@ -225,6 +233,50 @@ private:
               << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
               << MAX_RING_FACE_VALENCE << " faces per vertex (" << MAX_RING_FACE_VALENCE - 1
               << " at a border, fewer if these have more than 4 corners)" << std::endl;
+  }
+
+  /*! Builds the scene's trees, before which surfaces may get another form if the device has a budget. */
+  void buildTrees(std::vector<Surface>& surfaces) {
+    const cbvh::MemoryBudget* const memory = scene->device->compression.memory.get();
+    if (!memory) return buildTree(surfaces);
+    FormChoice forms(scene);
+    for (Surface& surface : surfaces)
+      if (surface.hasChosenForm()) forms.add(surface.geometry, surface.blocks);
+    for (size_t expected = expectedTreeBytes(surfaces);;) {
+      forms.choose(expected);
+      buildTree(surfaces);
+      if (memory->used() <= memory->limit) return;
+      if (!forms.hasTiles()) break;
+      expected = max(expected, treeBytes.get());
+      clear();
+    }
+    const size_t needed = memory->used();
+    clear();
+    throw_RTCError(
+        RTC_ERROR_OUT_OF_MEMORY,
+        "the device's compressed surfaces need at least " + std::to_string(needed) +
+            " bytes, more than their limit (cbvh_memory in the device string, or memory in EMBREE_CBVH) of " +
+            std::to_string(memory->limit));
+  }
+
+  /*! Estimates the bytes of nodes that a scene adds to those of its surfaces, if it has tiles. */
+  static size_t expectedTreeBytes(const std::vector<Surface>& surfaces) {
+    const size_t bytesPerBlock = 96; // wide nodes: measured 60 to 87 (docs/performance.md)
+    size_t bytes = 0;
+    for (const Surface& surface : surfaces)
+      bytes += surface.blocks->numPrimRefs * bytesPerBlock + surface.blocks->parts.size() * sizeof(BVH4::AABBNode) / 2;
+    return bytes;
+  }
+
+  void listBlocks(const std::vector<Surface>& surfaces) {
+    report->surfaces.clear();
+    for (const Surface& surface : surfaces) report->surfaces.push_back(surface.blocks);
+  }
+
+  void buildTree(const std::vector<Surface>& surfaces) {
+    listBlocks(surfaces);
+    treeBytes.set(moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode) + buildWideTree());
+    buildIDsInTree = buildIDsOf(surfaces);
   }
 
   /*! Builds the tree over the parts of static surfaces. If there is only one surface and it has a tree, uses that
@@ -312,7 +364,7 @@ private:
       if (listsOthers || (geometry->numTimeSteps != 1) == moves) line.addUncompressed(geometry);
     }
     Lock<MutexSys> lock(g_printMutex);
-    std::cerr << line.text(treeBytes, report->statistics) << std::endl;
+    std::cerr << line.text(treeBytes.get(), report->statistics) << std::endl;
   }
 
   /*! Prints what is left out or not stored as requested, and how much of a mesh is in grids. */

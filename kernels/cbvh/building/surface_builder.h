@@ -90,7 +90,7 @@ public:
       if (plan.moves()) blocks->boxes = boxes;
     }
     buildTree(*blocks, prims, progress);
-    blocks->memory.finish();
+    blocks->finish();
     return blocks;
   }
 

@@ -8,10 +8,10 @@
 #include "../base/thread_cache.h"
 #include "../embree/scene.h"
 #include "../blocks/surface_blocks.h"
+#include "../blocks/surface_conversion.h"
 #include "../blocks/tree.h"
 #include "../../cvert/file/tree_reader.h"
 #include "file_statistics.h"
-#include "loaded_tiles.h"
 #include "mapped_blocks.h"
 #include "validate_framed.h"
 #include <new>
@@ -44,6 +44,15 @@ struct FileAndPages {
   std::unique_ptr<PrivatePages> pages;
 };
 
+/*! True if surfaces at rest of a file become tiles when they are loaded: if tiles are the device's form, a commit does
+ *  not choose it, and those of the whole file take at most half of the machine's memory. */
+bool makesTiles(const CompressionSettings& settings, const File& file) {
+  if (settings.compression != RTC_COMPRESSION_CTILE || settings.memory) return false;
+  double bytes = 0;
+  for (size_t i = 0; i < file.size(); i++) bytes += double(file.geometry(i).numBlocks) * double(expectedTileBytes);
+  return bytes <= 0.5 * double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
+}
+
 BBox3fa boundsOf(const float lower[3], const float upper[3]) {
   return BBox3fa(Vec3fa(lower[0], lower[1], lower[2]), Vec3fa(upper[0], upper[1], upper[2]));
 }
@@ -53,15 +62,14 @@ class SurfaceLoader {
 public:
   typedef BVH4::NodeRef Ref;
 
-  SurfaceLoader(const Device* device, const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
+  SurfaceLoader(const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
     : file(file),
       i(i),
       mapped(mapped),
       surface(surface) {
     const FileGeometry& record = file.geometry(i);
-    if (record.form != FILE_TREE) return;
-    const size_t tileBytes = makesTilesOfFiles(device) ? size_t(record.numBlocks) * expectedTileBytes : 0;
-    surface.memory.reserve(tileBytes, size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode));
+    if (record.form == FILE_TREE)
+      surface.memory.reserve(0, size_t(record.treeBytes / sizeof(FileNode)) * sizeof(BVH4::AABBNode));
   }
 
   Ref leaf(FileChild child, uint64_t offset) {
@@ -132,18 +140,18 @@ std::shared_ptr<const SurfaceBlocks> loadSurface(const std::shared_ptr<const Fil
   surface->bounds = areBounds(record.lower, record.upper) ? boundsOf(record.lower, record.upper) : BBox3fa(empty);
   surface->numPrimRefs = size_t(record.numBlocks);
   surface->statistics = statisticsOf(record);
-  SurfaceLoader loader(device, *file, i, *mapped, *surface);
+  SurfaceLoader loader(*file, i, *mapped, *surface);
   BVH4::NodeRef root;
   TreeReader<SurfaceLoader> reader(record, file->tree(i), loader);
   if (const Reason reason = reader.read(root)) file->fail(i, "", reason);
-  if (record.form != FILE_MOVING && makesTilesOfFiles(device)) makeTiles(device, *surface, root);
   if (record.form == FILE_TREE) {
     surface->root = isa::moveLargestNodes(root, size_t(reader.numNodes()), *surface->memory.pool());
     isa::TreeCutter(surface->parts).cut(surface->root, surface->bounds);
   }
-  surface->memory.finish();
+  surface->finish();
   invalidateThreadCaches(); // other blocks may have had these addresses
-  return surface;
+  if (!makesTiles(device->compression, *file) || !isConvertible(*surface)) return surface;
+  return convertSurface(device, surface, TILE_BLOCK, [] {});
 }
 
 void verifyFile(const File& file) {

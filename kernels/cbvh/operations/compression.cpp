@@ -62,6 +62,11 @@ bool selectSameBlocks(const CompressionSettings& a, const CompressionSettings& b
          a.fallbackFaces == b.fallbackFaces && a.storesSmallMeshes == b.storesSmallMeshes;
 }
 
+RTCCompression exactCompression(const Device* device) {
+  const RTCCompression selected = device->compression.compression;
+  return cbvh::isExact(selected) ? selected : CompressionSettings::preferredCompression;
+}
+
 void setCompression(Geometry* geometry, const CompressionSettings& settings) {
   CompressibleGeometry* const compressible = asCompressible(geometry);
   if (!compressible)

@@ -10,6 +10,7 @@
 #include "../settings/settings.h"
 
 namespace embree {
+class Device;
 class Geometry;
 class Scene;
 
@@ -23,6 +24,10 @@ void validate(const CompressionSettings& settings);
 /*! True if geometries with the settings store the same blocks of the same input. Ignores the progress function, the
  *  release of the input, and members that are set for devices only. */
 bool selectSameBlocks(const CompressionSettings& a, const CompressionSettings& b);
+
+/*! Returns the compression that a device selects if it is exact (cVERT, cTILE), else the preferred one. Thread safety:
+ *  any thread may call it at any time. */
+RTCCompression exactCompression(const Device* device);
 
 /*! As rtcSetGeometryCompression. Settings that select the same blocks are no change of the geometry. Errors: as
  *  validate(); RTC_ERROR_INVALID_OPERATION for geometry of a type that cannot be compressed, and for geometry

@@ -43,7 +43,7 @@ const Keys keys[] = {
                   "hair_builder_mb hair_traverser_mb object_accel object_builder object_accel_mb object_builder_mb "
                   "subdiv_accel subdiv_accel_mb grid_accel grid_accel_mb"},
     {Value::Any, "cbvh_frame_level cbvh_max_error cbvh_fallback_faces cbvh_exact_faces cbvh_grids cbvh_quads "
-                 "cbvh_triangles cbvh_release_input"},
+                 "cbvh_triangles cbvh_memory cbvh_release_input"},
 };
 
 struct Key {

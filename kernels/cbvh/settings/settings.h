@@ -6,6 +6,7 @@
 /* Compression settings of a device or a geometry. A geometry inherits unset members from the device string, then from
  * the environment, then from the defaults. */
 
+#include "memory_budget.h"
 #include "../../../include/embree3/rtcore_compression.h"
 #include <string>
 
@@ -25,6 +26,7 @@ struct CompressionSettings {
   bool warnsOfFaces = true;       //!< set for geometries only: whether commits print which faces are left out
   /*! Set for devices only: types of geometry that inherit the device's compression. */
   bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
+  std::shared_ptr<cbvh::MemoryBudget> memory;    //!< set for devices only; null: no limit
   RTCProgressMonitorFunction progress = nullptr; //!< set for geometries only
   void* progressUserPtr = nullptr;
 
@@ -33,9 +35,10 @@ struct CompressionSettings {
    *  unknown keys for finishParsing(). */
   bool parse(const Token& key, TokenStream& stream);
 
-  /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh. cVERT builds fastest, and is smaller than cGRID and cLEAF, and
-   *  more exact than cLEAF. cVOXEL may be smaller, but is much less exact. */
-  static const RTCCompression preferredCompression = RTC_COMPRESSION_CVERT;
+  /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh, and the form of libembree_cbvh's surfaces. cTILE is exact, and
+   *  faster than Embree's own forms in a seventh of their memory or less; cVERT takes half of it, but rays decode it
+   *  (docs/performance.md). */
+  static const RTCCompression preferredCompression = RTC_COMPRESSION_CTILE;
 
   /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. Call this before parse(), whose
    *  settings take precedence. */
@@ -52,6 +55,7 @@ struct CompressionSettings {
 private:
   void setFrameLevel(const std::string& name, const std::string& value);
   void setMaxError(const std::string& name, const std::string& value);
+  void setMemory(const std::string& name, const std::string& value);
   void set(const std::string& name, const std::string& key, const std::string& value);
 };
 } // namespace embree

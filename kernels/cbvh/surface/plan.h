@@ -24,6 +24,7 @@ struct CompressionPlan {
       settings(geometry->compression.resolve(geometry->device->compression)) {
     isCompressed = cbvh::findKind(settings.compression, blockKind);
     areBlocksTiles = isCompressed && blockKind == cbvh::Kind::CTILE && !moves();
+    isFormChosen = geometry->device->compression.memory != nullptr;
     if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves() || blockKind == cbvh::Kind::CTILE)
       blockKind = cbvh::Kind::CVERT;
   }
@@ -39,8 +40,11 @@ struct CompressionPlan {
 
   bool isLossless() const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
 
-  /*! True if cVERT blocks become tiles. */
-  bool makesTiles() const { return areBlocksTiles; }
+  /*! True if cVERT blocks become tiles while they are built. */
+  bool makesTiles() const { return areBlocksTiles && !isFormChosen; }
+
+  /*! True if commits of scenes choose between tiles and cVERT blocks, by the device's budget. */
+  bool mayBecomeTiles() const { return areBlocksTiles && isFormChosen; }
 
   /*! Kind of the blocks, CVERT for tiles. Meaningless unless compresses(). */
   cbvh::Kind kind() const { return blockKind; }
@@ -81,6 +85,6 @@ struct CompressionPlan {
 
 private:
   cbvh::Kind blockKind = cbvh::Kind::CGRID;
-  bool isCompressed, areBlocksTiles;
+  bool isCompressed, areBlocksTiles, isFormChosen;
 };
 } // namespace embree::isa

@@ -20,21 +20,22 @@ struct PlacedBlock {
 /* The blocks of one build of a surface (FlatGeometry::buildID) on a device. */
 struct UploadedSurface {
   struct Place {
-    const void* data;
+    const void* source; // FlatBlock::source
     VkDeviceAddress address;
   };
 
   std::vector<std::shared_ptr<Buffer>> buffers; // shared between small surfaces
-  std::vector<Place> places;                    // sorted by host address
+  std::vector<Place> places;                    // sorted by source
 
   /* Device address of a block, or 0 if the surface does not contain it. */
-  VkDeviceAddress addressOf(const void* data) const;
+  VkDeviceAddress addressOf(const void* source) const;
 };
 
 /* Keeps the device memory of a scene's blocks alive. */
 struct BlockBuffers {
   std::vector<std::shared_ptr<Buffer>> own;
   std::vector<std::shared_ptr<const UploadedSurface>> surfaces;
+  std::vector<std::shared_ptr<const cbvh::FlatScene>> imported; // those that own imported blocks
   size_t importedBytes = 0;
 
   size_t bytes() const; // counts shared buffers once

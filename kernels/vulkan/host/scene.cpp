@@ -14,9 +14,6 @@ using namespace cbvh;
 
 namespace {
 
-struct FlatRelease {
-  void operator()(const FlatScene* flat) const { rtcReleaseFlatScene(flat); }
-};
 struct DeviceRelease {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
 };
@@ -25,7 +22,7 @@ using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 /* The traced scene, or a scene that it instances. */
 struct InputScene {
   RTCScene scene;
-  std::unique_ptr<const FlatScene, FlatRelease> flat;
+  std::shared_ptr<const FlatScene> flat;
   uint32_t firstGeometry = 0; // index of geomID 0 in the geometries of all inputs
   Subtree tree;
 };
@@ -104,7 +101,7 @@ private:
     if (inputIndex.count(scene)) return;
     InputScene input;
     input.scene = scene;
-    input.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
+    input.flat.reset(rtcFlattenScene(scene, flatSceneVersion), rtcReleaseFlatScene);
     if (!input.flat) {
       /* rtcFlattenScene reported the error to the scene's RTCDevice. RTC_ERROR_NONE: do not report it again. */
       const bool isReported = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
@@ -189,6 +186,8 @@ private:
     if (import) {
       try {
         out.blocks = importBlocks(device, placed);
+        for (const InputScene& input : inputs)
+          if (input.flat->hasOwnBlocks) out.blocks.imported.push_back(input.flat);
       } catch (const VulkanError& error) {
         if (isImportRequired)
           throw VulkanError(error.code, error.what() + std::string("; RTC_VULKAN_MEMORY_AUTO copies such blocks"));

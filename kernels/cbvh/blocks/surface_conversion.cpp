@@ -1,0 +1,174 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled once, for the lowest ISA of the library (files.cmake). */
+
+#include "surface_conversion.h"
+#include "../base/block_bytes.h"
+#include "../base/block_store.h"
+#include "../base/block_validity.h"
+#include "../base/resize_to_fit.h"
+#include "../base/thread_cache.h"
+#include "../../cvert/decoder/decoded_block.h"
+#include "../../cvert/encoder/tile_conversion.h"
+#include "block_table.h"
+#include "tree.h"
+
+namespace embree::cbvh {
+namespace {
+const uint32_t exactTypes = 1u << VERT_BLOCK | 1u << TILE_BLOCK | 1u << MESH_BLOCK;
+
+/*! References to the leaves of a tree, depth first. */
+void collect(BVH4::NodeRef ref, std::vector<size_t>& leaves) {
+  if (ref == BVH4::emptyNode) return;
+  if (ref.isLeaf()) return leaves.push_back(ref);
+  for (size_t i = 0; i < 4; i++) collect(ref.getAABBNode()->child(i), leaves);
+}
+
+/*! Converts a range of leaves. */
+class LeafConverter {
+public:
+  /*! copiesOthers: whether blocks that are not converted are copied. */
+  LeafConverter(Device* device, BlockMemory& memory, BlockType form, bool copiesOthers)
+    : form(form),
+      copiesOthers(copiesOthers),
+      store(device, &memory) {}
+
+  /*! The reference changes in finish(). */
+  void convert(size_t& ref) {
+    size_t type;
+    const void* const block = BVH4::NodeRef(ref).leaf(type);
+    if (type == form || !addConverted((const VertHeader*)block, BlockType(type))) {
+      if (!copiesOthers) return;
+      store.add(block, rowOf(BlockType(type)).bytes(block), BBox3fa(empty), uint32_t(type), vertReadPadding);
+    }
+    stored.push_back(&ref);
+    store.flushIfFull();
+  }
+
+  /*! Stores the blocks, and replaces the leaves' references. */
+  void finish() {
+    store.flush();
+    for (size_t i = 0; i < stored.size(); i++) *stored[i] = store.prims[i].ID();
+  }
+
+  CompressionStatistics changes; //!< of the surface's statistics: differences, which wrap around
+
+private:
+  /*! Returns false if the block has no other form. */
+  bool addConverted(const VertHeader* block, BlockType type) {
+    if (type == TILE_BLOCK) {
+      const size_t size = blockOfTile(block, blockEncoder, store.reserve(maxBlockBytesOfTile));
+      return add(block, tileBytes(block), size);
+    }
+    if (type != VERT_BLOCK || !isBlockValid(block, VERT_BLOCK)) return false;
+    if (vertQuadsX(block->region) * vertQuadsY(block->region) < minTileQuads) return false;
+    uint8_t* const bytes = store.reserve(maxTileBytesOfBlock);
+    const size_t size = tileOfBlock(block, DecodedBlock(block).vertices, vertices, tileEncoder, bytes);
+    return size != 0 && add(block, vertBytes(block), size);
+  }
+
+  /*! Commits what was written to the store's space. */
+  bool add(const VertHeader* from, size_t fromSize, size_t size) {
+    const VertHeader* const to = (const VertHeader*)store.reserve(size);
+    BlockBytes(from, fromSize).removeFrom(changes);
+    BlockBytes(to, size).addTo(changes);
+    changes.numRawBlocks += size_t(isRawBlock(to)) - size_t(isRawBlock(from));
+    store.commit(size, BBox3fa(empty), form, vertReadPadding);
+    return true;
+  }
+
+  static bool isRawBlock(const VertHeader* block) { return !isTile(block->info) && isRaw(block->info); }
+
+  const BlockType form;
+  const bool copiesOthers;
+  isa::BlockStore store;
+  BlockVertices vertices;
+  TileEncoder tileEncoder;
+  VertEncoder blockEncoder;
+  std::vector<size_t*> stored;
+};
+
+/*! Copies a tree, with other references to leaves. */
+class TreeCopy {
+public:
+  TreeCopy(FastAllocator& memory, const std::vector<size_t>& leaves) : memory(memory), next(leaves.data()) {}
+
+  BVH4::NodeRef copy(BVH4::NodeRef ref) {
+    if (ref == BVH4::emptyNode) return ref;
+    if (ref.isLeaf()) return *next++;
+    BVH4::AABBNode* const node =
+        (BVH4::AABBNode*)memory.getCachedAllocator().malloc0(sizeof(BVH4::AABBNode), BVH4::byteNodeAlignment);
+    *node = *ref.getAABBNode();
+    numNodes++;
+    for (size_t i = 0; i < 4; i++) node->setRef(i, copy(node->child(i)));
+    return BVH4::encodeNode(node);
+  }
+
+  size_t numNodes = 0;
+
+private:
+  FastAllocator& memory;
+  const size_t* next;
+};
+
+/*! Converts the leaves in parallel, and adds to the statistics of `to`. */
+void convertLeaves(Device* device, SurfaceBlocks& to, BlockType form, std::vector<size_t>& leaves,
+                   const std::function<void()>& progress) {
+  MutexSys mutex;
+  parallel_for(size_t(0), leaves.size(), size_t(64), [&](const range<size_t>& r) {
+    const std::unique_ptr<LeafConverter> converter(
+        new LeafConverter(device, to.memory, form, to.mapped == nullptr)); // large
+    for (size_t i = r.begin(); i != r.end(); i++) converter->convert(leaves[i]);
+    converter->finish();
+    progress();
+    Lock<MutexSys> lock(mutex);
+    CompressionStatistics& sums = to.statistics.sums;
+    sums.headerBytes += converter->changes.headerBytes;
+    sums.nodeBytes += converter->changes.nodeBytes;
+    sums.leafBytes += converter->changes.leafBytes;
+    sums.numRawBlocks += converter->changes.numRawBlocks;
+  });
+}
+} // namespace
+
+bool isConvertible(const SurfaceBlocks& surface) { return surface.moving.empty() && !(surface.types & ~exactTypes); }
+
+std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
+                                                    BlockType form, const std::function<void()>& progress) {
+  if (form == VERT_BLOCK && from->unconverted) return from->unconverted;
+  const bool hasTree = from->root != BVH4::emptyNode;
+  const std::shared_ptr<SurfaceBlocks> to = std::make_shared<SurfaceBlocks>(device, from->number);
+  to->mapped = from->mapped;
+  if (from->mapped) to->unconverted = from;
+  to->bounds = from->bounds;
+  to->numPrimRefs = from->numPrimRefs;
+  to->statistics = from->statistics;
+  std::vector<size_t> leaves;
+  if (hasTree) collect(from->root, leaves);
+  else
+    for (const PrimRef& part : from->parts) leaves.push_back(part.ID());
+  if (hasTree) {
+    const size_t expected = form == TILE_BLOCK ? expectedTileBytes : expectedTileBytes / 2;
+    to->memory.reserve(leaves.size() * expected, from->statistics.sums.topLevelBytes);
+  }
+  convertLeaves(device, *to, form, leaves, progress);
+  if (hasTree) {
+    TreeCopy tree(*to->memory.pool(), leaves);
+    const BVH4::NodeRef root = tree.copy(from->root);
+    to->root = isa::moveLargestNodes(root, tree.numNodes, *to->memory.pool());
+    isa::TreeCutter(to->parts).cut(to->root, to->bounds);
+  } else {
+    resizeToFit(to->parts, leaves.size());
+    for (size_t i = 0; i < leaves.size(); i++) to->parts[i] = PrimRef(from->parts[i].bounds(), leaves[i]);
+  }
+  for (size_t ref : leaves) {
+    size_t type;
+    BVH4::NodeRef(ref).leaf(type);
+    to->types |= 1u << type;
+  }
+  to->finish();
+  invalidateThreadCaches(); // other blocks may have had these addresses
+  return to;
+}
+} // namespace embree::cbvh

@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The same surface in another form: its cVERT blocks as tiles, or its tiles as cVERT blocks, with the same vertices. */
+
+#include "../base/leaf_type.h"
+#include "surface_blocks.h"
+#include <functional>
+
+namespace embree::cbvh {
+/*! True if all of a surface is exact and at rest. */
+bool isConvertible(const SurfaceBlocks& surface);
+
+/*! Converts a surface for which isConvertible() holds, in parallel. Blocks that tiles do not support stay as they are:
+ *  those of a mapped file, including damaged ones, remain there, others are copied. A surface of a file that was
+ *  converted to tiles returns to the file. form: TILE_BLOCK or VERT_BLOCK. progress: called by many threads; may throw
+ *  to cancel. Throws std::bad_alloc, or rtcore_error if the memory monitor refuses. */
+std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
+                                                    BlockType form, const std::function<void()>& progress);
+} // namespace embree::cbvh
