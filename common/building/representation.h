@@ -27,6 +27,9 @@ enum class RepresentationKind {
   NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT
 };
 
+/* What programs build unless told otherwise: the library's default. */
+constexpr RepresentationKind preferredKind = RepresentationKind::CTile;
+
 const std::vector<RepresentationKind>& representationKinds();
 
 /* Names in tables, "cLEAF", and on command lines, "cleaf". */

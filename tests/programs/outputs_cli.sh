@@ -15,8 +15,8 @@ program=$render
 quick="--level 2 --size 32x24 --samples 1"
 out="--output $folder/out"
 printf 'P5\n4 4\n255\n0123456789abcdef' > "$folder/skin.pgm"
-cp "$folder/skin.pgm" "$folder/quad_cvert.png" # as the picture of the quad is called
-sums() { cksum "$folder/quad.obj" "$folder/skin.pgm" "$folder/quad_cvert.png" "$folder/cube.cbvh" 2> /dev/null; }
+cp "$folder/skin.pgm" "$folder/quad_ctile.png" # as the picture of the quad is called
+sums() { cksum "$folder/quad.obj" "$folder/skin.pgm" "$folder/quad_ctile.png" "$folder/cube.cbvh" 2> /dev/null; }
 # shellcheck disable=SC2086
 run() {
   timeout 100 "$program" $quick $out "$@" 2> "$folder/stderr" || complain "status $?: $* : $(cat "$folder/stderr")"
@@ -108,15 +108,15 @@ done
 expect_refusal "json .*$folder/cage: .*$folder/quad.obj.*input" $quick $out --mesh "$folder/quad.obj" \
   --json "$folder/cage"
 # shellcheck disable=SC2086
-expect_refusal "json .*$folder/quad_cvert.png: .*input" $quick $out $model --cage-end "$folder/quad_cvert.png" \
-  --json "$folder/quad_cvert.png"
+expect_refusal "json .*$folder/quad_ctile.png: .*input" $quick $out $model --cage-end "$folder/quad_ctile.png" \
+  --json "$folder/quad_ctile.png"
 expect_refusal "json .*$folder/cube.cbvh: .*input" --load "$folder/cube.cbvh" --json "$folder/cube.cbvh"
 # shellcheck disable=SC2086
 expect_refusal "json $folder/same: .*--export" $quick $out --scene cube --json "$folder/same" \
   --export "$folder/./same"
 # shellcheck disable=SC2086
-expect_refusal "$folder/quad_cvert.png: .*input" $quick --cage "$folder/quad.obj" \
-  --height "$folder/quad_cvert.png" --output "$folder"
+expect_refusal "$folder/quad_ctile.png: .*input" $quick --cage "$folder/quad.obj" \
+  --height "$folder/quad_ctile.png" --output "$folder"
 cp "$folder/skin.pgm" "$folder/tile.1001.pgm"
 # shellcheck disable=SC2086
 expect_refusal "$folder/tile.1001.pgm: .*input" $quick $out --cage "$folder/quad.obj" \
@@ -128,8 +128,8 @@ expect_refusal "json .*$folder/skin.pgm: .*input" $model --level 2 --json "$fold
 if [ -n "$pathtracer" ]; then
   program=$pathtracer
   # shellcheck disable=SC2086
-  expect_refusal "output .*$folder/quad_cvert.png: .*input" --cage "$folder/quad.obj" \
-    --height "$folder/quad_cvert.png" --device cpu --output "$folder/quad_cvert.png"
+  expect_refusal "output .*$folder/quad_ctile.png: .*input" --cage "$folder/quad.obj" \
+    --height "$folder/quad_ctile.png" --device cpu --output "$folder/quad_ctile.png"
 fi
 if [ -n "$viewer" ]; then
   program=$viewer

@@ -180,7 +180,7 @@ cmp -s "$folder/loaded_up.out/cube_cvert.png" "$folder/loaded_full.out/cube_cver
   complain "--up has no effect on a file"
 # A herd is written copy by copy, and its picture is rendered from the file. A partial file of a different build must
 # remain. The map is stored in the user's cache, not next to the pictures.
-herd="--scene herd --count 2 --mapping atlas"
+herd="--scene herd --count 2 --mapping atlas --representation cvert"
 run herd $herd
 [ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] || complain "no map in the user's cache"
 ls "$folder/herd.out" | grep -q height && complain "a map among the pictures: $(ls "$folder/herd.out")"
@@ -234,14 +234,14 @@ grep -q "stored as cVERT" "$folder/only" && complain "a row on quads stored as c
 # Files suffice: a cage, and optionally a map. The picture is rendered in cVERT and equals the one with explicit
 # options.
 run files "$folder/quad.obj"
-[ "$(ls "$folder/files.out")" = quad_cvert.png ] || complain "not one picture of cVERT: $(ls "$folder/files.out")"
+[ "$(ls "$folder/files.out")" = quad_ctile.png ] || complain "not one picture of cTILE: $(ls "$folder/files.out")"
 [ "$(rows files)" = 4 ] || complain "rows on what was not asked for: $(cat "$folder/files")"
 if [ -s "$folder/whole.png" ]; then
   run file_and_map "$folder/quad.obj" "$folder/whole.png"
   run options --cage "$folder/quad.obj" --height "$folder/whole.png"
-  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/options.out/quad_cvert.png" ||
+  cmp -s "$folder/file_and_map.out/quad_ctile.png" "$folder/options.out/quad_ctile.png" ||
     complain "files and options differ"
-  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/files.out/quad_cvert.png" &&
+  cmp -s "$folder/file_and_map.out/quad_ctile.png" "$folder/files.out/quad_ctile.png" &&
     complain "the map has no effect"
 fi
 
@@ -333,7 +333,7 @@ grep -q "cbvh_render: warning: .*edge.obj: .*1 edge" "$folder/edge.err" ||
 for scene in cube frog; do
   run out_$scene --scene $scene --view 3,2,4,0,0,0,35 --export "$folder/$scene.obj"
   run in_$scene --mesh "$folder/$scene.obj" --view 3,2,4,0,0,0,35
-  cmp -s "$folder/out_$scene.out/${scene}_cvert.png" "$folder/in_$scene.out/${scene}_cvert.png" ||
+  cmp -s "$folder/out_$scene.out/${scene}_ctile.png" "$folder/in_$scene.out/${scene}_ctile.png" ||
     complain "$scene differs as a mesh"
 done
 awk '$1 == "f" { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" \
@@ -345,7 +345,7 @@ for mesh in triangles both; do
   grep -q "^| false hits + misses *| *- *| *0 + 0 *| *0 + 0 *|" "$folder/$mesh" ||
     complain "$mesh: hits of a mesh: $(cat "$folder/$mesh")"
 done
-cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" ||
+cmp -s "$folder/out_cube.out/cube_ctile.png" "$folder/triangles.out/triangles_ctile.png" ||
   complain "triangles differ from quads"
 {
   cat "$folder/cube.obj"
@@ -367,7 +367,7 @@ run moving --scene cube --motion turn --representation grid,cgrid,cleaf-only,cve
 grep -q "warning: cgrid .*cVERT" "$folder/moving.err" && grep -q "warning: cleaf-only .*GRID" "$folder/moving.err" &&
   ! grep -q "warning: cvert" "$folder/moving.err" || complain "moving models: $(cat "$folder/moving.err")"
 refuses "true-surface .*--motion" --scene cube --motion turn --true-surface 100
-refuses "export .*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
+refuses "export .*ctile.*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
 expect_refusal "mesh.* cLEAF.*grid.*cvert" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \
   --output "$folder/cleaf.out"
 

@@ -32,7 +32,7 @@ std::string chooseDevice() {
 std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv) {
   PathTracerOptions o;
   std::vector<std::string> files;
-  std::string representation = optionNameOf(RepresentationKind::CVert);
+  std::string representation = optionNameOf(preferredKind);
   std::string size = "512x512", device = "auto", shutter = "0,1";
 
   CLI::App app("Renders a displaced subdivision surface by path tracing, entirely in a shader on a Vulkan device, or\n"

@@ -338,9 +338,9 @@ frame_level: )" +
          levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
   )" + wordsOf(&Representation::hasFrames, "") +
          R"(.
-max_error: bound in world units on the spacing of cvert's lattice, where 0 stores vertices exactly, and on the thickness
+max_error: bound in world units on the spacing of the lattice of ctile and cvert, where 0 stores vertices exactly, and on the thickness
   of leaves if frame_level is "auto". None selects the library's default.
-max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
+max_pixel_error: bound on the spacing of that lattice in pixels of camera, 0 for none.
 threads: for building, 0 for all.
 isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; default the host's best.
 device: device that traces: "cpu", "vulkan", or "ray-query" (ray queries of a Vulkan driver). Append :N or :NAME to the
@@ -523,10 +523,10 @@ void defineScene(py::module_& module) {
                         (n == 1 ? " geometry, " : " geometries, ") + std::to_string(s.saved.quads()) + " quads>");
       });
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
-  module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
-             arg("frame_level") = py::none(), arg("max_error") = py::none(), arg("max_pixel_error") = 0.0f,
-             arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "", arg("device") = "cpu",
-             arg("progress") = py::none(), buildText().c_str());
+  module.def("build", &build, arg("model"), arg("representation") = optionNameOf(preferredKind), arg("level") = 6,
+             py::kw_only(), arg("frame_level") = py::none(), arg("max_error") = py::none(),
+             arg("max_pixel_error") = 0.0f, arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "",
+             arg("device") = "cpu", arg("progress") = py::none(), buildText().c_str());
   module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("pixel_size"), pixelErrorsText);
 }
 

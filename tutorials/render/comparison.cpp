@@ -103,7 +103,7 @@ private:
       result.errors = compareHits(reference, hits, camera.footprint(), scene.layout());
     writeErrorsAndAmbient(scene, hits, result.errors.has_value());
     if (!options.savePath.empty()) scene.save(options.savePath);
-    if (kind == RepresentationKind::CVert && !options.exportPath.empty()) {
+    if (scene.representation().isExact() && !options.exportPath.empty()) {
       const StoredMesh mesh = scene.storedMesh();
       writeObj(options.exportPath, mesh.vertices, mesh.quads);
     }

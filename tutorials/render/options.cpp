@@ -16,7 +16,7 @@ namespace {
 /* Unparsed options, with the defaults that --help shows. */
 struct OptionTexts {
   std::vector<std::string> files;
-  std::string representations = optionNameOf(RepresentationKind::CVert), size = "1024x1024", crop;
+  std::string representations = optionNameOf(preferredKind), size = "1024x1024", crop;
   std::string colors = "neutral", shutter = "0,1";
   LevelOptions levels;
   bool compare = false;
@@ -63,7 +63,8 @@ void declarePictures(CLI::App& app, Options& o, OptionTexts& texts) {
   app.add_option("--output", o.output, "folder for the pictures, created if necessary")
       ->type_name("DIR")
       ->capture_default_str();
-  app.add_option("--export", o.exportPath, "also write the surface as cvert stores it, as OBJ quads that --mesh reads")
+  app.add_option("--export", o.exportPath,
+                 "also write the surface as ctile and cvert store it, as OBJ quads that --mesh reads")
       ->type_name("FILE");
   app.add_option("--save", o.savePath,
                  "also write the compressed scene to a file (.cbvh), which --load opens at once; a herd is written "
@@ -160,9 +161,9 @@ void read(const CLI::App& app, const OptionTexts& texts, Options& o) {
   if (isMesh && o.trueHits) throw Error("--true-surface needs a cage or a scene: a mesh is its own surface");
   if (moves && o.trueHits)
     throw Error("--true-surface supports only static models: expected no --motion or --cage-end");
-  const auto isVert = [](const Representation& r) { return r.kind == RepresentationKind::CVert; };
-  if (!o.exportPath.empty() && std::none_of(o.representations.begin(), o.representations.end(), isVert))
-    throw Error("--export writes the surface of cvert, which is not listed: expected cvert in --representation");
+  const auto isExact = [](const Representation& r) { return r.isExact(); };
+  if (!o.exportPath.empty() && std::none_of(o.representations.begin(), o.representations.end(), isExact))
+    throw Error("--export writes the surface of ctile and cvert: expected one of them in --representation");
   if (!texts.crop.empty() && (o.compares() || o.speed || o.ambientRays || texts.trueHits.value_or(0)))
     throw Error("--crop renders a part of a single picture: expected no comparison, --speed, --ambient or "
                 "--true-surface");

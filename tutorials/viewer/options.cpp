@@ -31,7 +31,7 @@ void requireFile(const std::string& path) {
 std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv) {
   ViewerOptions o;
   std::vector<std::string> files;
-  std::string representations = "cvert", size = "1024x768", mode = "shading";
+  std::string representations = optionNameOf(preferredKind), size = "1024x768", mode = "shading";
 
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side. Opens a window,\n"
                "which lists its keys and opens files that are dropped onto it, or writes a picture with --no-window.",

@@ -214,10 +214,11 @@ SurfaceBlocks::SurfaceBlocks(Device* device, const std::shared_ptr<const cbvh::S
 
 SurfaceBlocks::~SurfaceBlocks() { delete blockIndex.load(); }
 
-size_t SurfaceBlocks::bytes() const {
+size_t SurfaceBlocks::bytes() const { return mapped && !unconverted ? statistics.sums.topLevelBytes : bytesOfAll(); }
+
+size_t SurfaceBlocks::bytesOfAll() const {
   const cbvh::CompressionStatistics& sums = statistics.sums;
-  const size_t blocks = sums.headerBytes + sums.nodeBytes + sums.leafBytes + sums.uncompressedBytes;
-  return sums.topLevelBytes + (mapped && !unconverted ? 0 : blocks);
+  return sums.topLevelBytes + sums.headerBytes + sums.nodeBytes + sums.leafBytes + sums.uncompressedBytes;
 }
 
 void SurfaceBlocks::finish() {

@@ -16,7 +16,7 @@
 
 namespace embree::cbvh {
 namespace {
-const uint32_t exactTypes = 1u << VERT_BLOCK | 1u << TILE_BLOCK | 1u << MESH_BLOCK;
+const uint32_t typesOfForms = 1u << VERT_BLOCK | 1u << TILE_BLOCK, exactTypes = typesOfForms | 1u << MESH_BLOCK;
 
 /*! References to the leaves of a tree, depth first. */
 void collect(BVH4::NodeRef ref, std::vector<size_t>& leaves) {
@@ -50,6 +50,11 @@ public:
   void finish() {
     store.flush();
     for (size_t i = 0; i < stored.size(); i++) *stored[i] = store.prims[i].ID();
+  }
+
+  /*! Bytes that the converted blocks add; negative if they are smaller. */
+  std::ptrdiff_t addedBytes() const {
+    return std::ptrdiff_t(changes.headerBytes + changes.nodeBytes + changes.leafBytes);
   }
 
   CompressionStatistics changes; //!< of the surface's statistics: differences, which wrap around
@@ -132,7 +137,18 @@ void convertLeaves(Device* device, SurfaceBlocks& to, BlockType form, std::vecto
 }
 } // namespace
 
-bool isConvertible(const SurfaceBlocks& surface) { return surface.moving.empty() && !(surface.types & ~exactTypes); }
+/*! References to a surface's blocks. */
+static std::vector<size_t> leavesOf(const SurfaceBlocks& surface) {
+  std::vector<size_t> leaves;
+  if (surface.root != BVH4::emptyNode) collect(surface.root, leaves);
+  else
+    for (const PrimRef& part : surface.parts) leaves.push_back(part.ID());
+  return leaves;
+}
+
+bool isConvertible(const SurfaceBlocks& surface) {
+  return surface.moving.empty() && (surface.types & typesOfForms) && !(surface.types & ~exactTypes);
+}
 
 std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
                                                     BlockType form, const std::function<void()>& progress) {
@@ -144,10 +160,7 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
   to->bounds = from->bounds;
   to->numPrimRefs = from->numPrimRefs;
   to->statistics = from->statistics;
-  std::vector<size_t> leaves;
-  if (hasTree) collect(from->root, leaves);
-  else
-    for (const PrimRef& part : from->parts) leaves.push_back(part.ID());
+  std::vector<size_t> leaves = leavesOf(*from);
   if (hasTree) {
     const size_t expected = form == TILE_BLOCK ? expectedTileBytes : expectedTileBytes / 2;
     to->memory.reserve(leaves.size() * expected, from->statistics.sums.topLevelBytes);
@@ -170,5 +183,19 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
   to->finish();
   invalidateThreadCaches(); // other blocks may have had these addresses
   return to;
+}
+
+size_t estimateBytes(Device* device, const SurfaceBlocks& surface, BlockType form) {
+  if (form == VERT_BLOCK && surface.unconverted) return surface.unconverted->bytes();
+  const size_t maxSample = 256;
+  const std::vector<size_t> leaves = leavesOf(surface);
+  const size_t step = leaves.size() / maxSample + 1;
+  std::vector<size_t> sample;
+  for (size_t i = step / 2; i < leaves.size(); i += step) sample.push_back(leaves[i]);
+  BlockMemory memory(device);
+  const std::unique_ptr<LeafConverter> converter(new LeafConverter(device, memory, form, true)); // large
+  for (size_t& ref : sample) converter->convert(ref);
+  const double added = double(converter->addedBytes()) / double(max(sample.size(), size_t(1)));
+  return size_t(max(0.0, double(surface.bytesOfAll()) + added * double(leaves.size())));
 }
 } // namespace embree::cbvh

@@ -10,7 +10,7 @@
 #include <functional>
 
 namespace embree::cbvh {
-/*! True if all of a surface is exact and at rest. */
+/*! True if a surface is exact, at rest, and has blocks of which there are two forms. */
 bool isConvertible(const SurfaceBlocks& surface);
 
 /*! Converts a surface for which isConvertible() holds, in parallel. Blocks that tiles do not support stay as they are:
@@ -19,4 +19,7 @@ bool isConvertible(const SurfaceBlocks& surface);
  *  to cancel. Throws std::bad_alloc, or rtcore_error if the memory monitor refuses. */
 std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
                                                     BlockType form, const std::function<void()>& progress);
+
+/*! Estimates SurfaceBlocks::bytes() of a convertible surface in its other form, from a sample of its blocks. */
+size_t estimateBytes(Device* device, const SurfaceBlocks& surface, BlockType form);
 } // namespace embree::cbvh

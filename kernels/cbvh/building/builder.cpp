@@ -249,6 +249,7 @@ private:
       if (!forms.hasTiles()) break;
       expected = max(expected, treeBytes.get());
       clear();
+      report->surfaces.clear(); // surfaces that will be converted
     }
     const size_t needed = memory->used();
     clear();
@@ -345,17 +346,22 @@ private:
     return false;
   }
 
+  void addToLine(const Surface& surface, CommitLine& line) const {
+    const SurfaceBlocks& blocks = *surface.blocks;
+    const bool hasTiles = (blocks.types >> cbvh::TILE_BLOCK) & 1u;
+    line.addCompressed(surface.geometry, surface.geomID, hasTiles ? cbvh::Kind::CTILE : surface.plan.kind(),
+                       blocks.statistics);
+    if (cbvh::isConvertible(blocks))
+      line.addOtherForm(hasTiles, blocks.bytesOfAll(),
+                        cbvh::estimateBytes(scene->device, blocks, hasTiles ? cbvh::VERT_BLOCK : cbvh::TILE_BLOCK));
+  }
+
   void reportCommit(const std::vector<Surface>& surfaces) const {
     if (!scene->device->verbosity(1) && !environmentRequestsCommitLines()) return;
     CommitLine line;
-    for (const Surface& surface : surfaces) {
-      const CompressionPlan& plan = surface.plan;
-      const bool hasTiles = (surface.blocks->types >> cbvh::TILE_BLOCK) & 1u;
-      if (plan.compresses())
-        line.addCompressed(surface.geometry, surface.geomID, hasTiles ? cbvh::Kind::CTILE : plan.kind(),
-                           surface.blocks->statistics);
+    for (const Surface& surface : surfaces)
+      if (surface.plan.compresses()) addToLine(surface, line);
       else line.addUncompressed(surface.geometry);
-    }
     const bool listsOthers = !doesOtherBuilderReport();
     for (size_t i = 0; i < scene->size(); i++) {
       const CompressibleGeometry* const geometry =

@@ -52,6 +52,12 @@ public:
       rejected[{namesOf(geometry).primitives, geometry->surface.rejectionReason}] += geometry->size();
   }
 
+  /*! Counts a surface at rest that could have another form. bytes: now. otherBytes: in that form, an estimate. */
+  void addOtherForm(bool hasTiles, size_t bytes, size_t otherBytes) {
+    (hasTiles ? tiles : blocks) += bytes;
+    (hasTiles ? tilesAsBlocks : blocksAsTiles) += otherBytes;
+  }
+
   /*! treeBytes: size of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
   std::string text(size_t treeBytes, const cbvh::CompressionStatistics& scene) const {
     const cbvh::CompressionStatistics& sums = all.sums;
@@ -61,6 +67,8 @@ public:
         treeBytes + sums.topLevelBytes + sums.headerBytes + sums.nodeBytes + sums.leafBytes + sums.uncompressedBytes;
     line << "compression: " << geometries() << ": " << sums.numQuads + sums.numUncompressedQuads << " quads in "
          << mebibytes(bytes) << " MiB, Embree would use about " << mebibytes(all.bytesInEmbree) << " MiB";
+    if (tiles) line << ", as cVERT about " << mebibytes(bytes - tiles + tilesAsBlocks) << " MiB";
+    if (blocks) line << ", as cTILE about " << mebibytes(bytes - blocks + blocksAsTiles) << " MiB";
     if (sums.maxVertexDeviation > 0)
       line << "; vertices move by up to " << std::setprecision(3) << sums.maxVertexDeviation;
     if (scene.inputBytes) line << "; buffers that stay: " << mebibytes(scene.inputBytes) << " MiB";
@@ -126,7 +134,8 @@ private:
   cbvh::BuildStatistics all;                                           //!< sum over `compressed`
   /*! Uncompressed primitives, by type and reason. */
   std::map<std::pair<std::string, std::string>, size_t> rejected;
-  std::string firstInvalid; //!< of the first geometry that has some
-  size_t notRequested = 0;  //!< subdivision surfaces without a request
+  size_t tiles = 0, tilesAsBlocks = 0, blocks = 0, blocksAsTiles = 0; //!< bytes of surfaces with another form
+  std::string firstInvalid;                                           //!< of the first geometry that has some
+  size_t notRequested = 0;                                            //!< subdivision surfaces without a request
 };
 } // namespace embree::isa

@@ -8,7 +8,6 @@
  * large is reached by many rays: tiles are given to the surfaces with the most area per byte that they add. What has a
  * form keeps it unless the bytes do not suffice, so that edits of one surface do not convert others. */
 
-#include "../base/block_bytes.h"
 #include "../blocks/surface_conversion.h"
 #include "../settings/memory_budget.h"
 #include <algorithm>
@@ -22,8 +21,8 @@ public:
 
   /*! blocks: replaced if the surface gets the other form. Must be convertible. */
   void add(CompressibleGeometry* geometry, Blocks& blocks) {
-    surfaces.push_back(Surface{geometry, &blocks, blocks->types >> cbvh::TILE_BLOCK & 1u ? cbvh::TILE_BLOCK
-                                                                                        : cbvh::VERT_BLOCK});
+    surfaces.push_back(
+        Surface{geometry, &blocks, blocks->types >> cbvh::TILE_BLOCK & 1u ? cbvh::TILE_BLOCK : cbvh::VERT_BLOCK});
   }
 
   /*! Converts surfaces. treeBytes: of the scene's trees that will be built. */
@@ -33,15 +32,13 @@ public:
     for (size_t i = surfaces.size(); i-- && !fits(treeBytes);)
       if (surfaces[i].form == cbvh::TILE_BLOCK) convert(surfaces[i], cbvh::VERT_BLOCK);
     for (Surface& surface : surfaces)
-      if (surface.form == cbvh::VERT_BLOCK && fits(treeBytes + surface.bytesOfTiles())) {
+      if (surface.form == cbvh::VERT_BLOCK && fits(treeBytes + surface.bytesOfTiles(scene->device))) {
         const Blocks before = *surface.blocks;
         convert(surface, cbvh::TILE_BLOCK);
-        if (!fits(treeBytes)) set(surface, before, cbvh::VERT_BLOCK);
+        const size_t freed = before.use_count() == 1 ? before->bytes() : 0; // unless other scenes trace it
+        if (!fits(treeBytes, freed)) set(surface, before, cbvh::VERT_BLOCK);
       }
   }
-
-  /*! True if the budget suffices for everything that counts, and further bytes. */
-  bool fits(size_t furtherBytes) const { return budget.used() + furtherBytes <= budget.limit; }
 
   bool hasTiles() const {
     return std::any_of(surfaces.begin(), surfaces.end(),
@@ -49,14 +46,19 @@ public:
   }
 
 private:
+  /*! True if the budget suffices for everything that counts, and further bytes, once others are freed. */
+  bool fits(size_t furtherBytes, size_t freedBytes = 0) const {
+    return budget.used() + furtherBytes <= budget.limit + freedBytes;
+  }
+
   struct Surface {
     CompressibleGeometry* geometry;
     Blocks* blocks;
     cbvh::BlockType form;
 
-    /*! Bytes that tiles add, before they exist. */
-    size_t bytesOfTiles() const {
-      const size_t tiles = (*blocks)->numPrimRefs * cbvh::expectedTileBytes, now = (*blocks)->bytes();
+    /*! Bytes that tiles add, before they exist: an estimate. */
+    size_t bytesOfTiles(Device* device) const {
+      const size_t tiles = cbvh::estimateBytes(device, **blocks, cbvh::TILE_BLOCK), now = (*blocks)->bytes();
       return tiles > now ? tiles - now : 0;
     }
 
@@ -64,8 +66,8 @@ private:
   };
 
   void convert(Surface& surface, cbvh::BlockType form) {
-    set(surface,
-        cbvh::convertSurface(scene->device, *surface.blocks, form, [this] { scene->progressMonitor(0.0); }), form);
+    set(surface, cbvh::convertSurface(scene->device, *surface.blocks, form, [this] { scene->progressMonitor(0.0); }),
+        form);
   }
 
   static void set(Surface& surface, const Blocks& blocks, cbvh::BlockType form) {
