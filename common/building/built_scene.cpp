@@ -6,8 +6,10 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "basics/setting_name.h"
+#include "building/memory.h"
 #include "surface/mesh.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <set>
@@ -135,6 +137,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
 }
 
 void BuiltScene::commit(const char* operation) {
+  const size_t inLargePages = bytesInLargePages();
   const auto start = std::chrono::steady_clock::now();
   std::vector<DisplacementContext> none; // compressed scenes report progress themselves
   commitScene(*device, scene.get(), name + ": " + operation, rates ? rates->quads : patches.numQuads(),
@@ -142,6 +145,7 @@ void BuiltScene::commit(const char* operation) {
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();
+  built.largePageBytes += std::max(bytesInLargePages(), inLargePages) - inLargePages;
 }
 
 void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& settings) {

@@ -64,9 +64,10 @@ inline double fallbackQuadFraction(const RTCCompressionStatistics& s) {
 }
 
 struct BuildReport {
-  double seconds = 0;   // for committing geometries and scene
-  size_t liveBytes = 0; // after the commit, including buffers and cage
-  size_t peakBytes = 0; // maximum during the commit
+  double seconds = 0;        // for committing geometries and scene
+  size_t liveBytes = 0;      // after the commit, including buffers and cage
+  size_t peakBytes = 0;      // maximum during the commit
+  size_t largePageBytes = 0; // of the process, by which large pages grew during the commit
   size_t quads = 0;
   RTCCompressionStatistics compression{};    // all zero for NAIVE and GRID
   SeamGap seams;                             // closed by the displacement

@@ -79,4 +79,11 @@ size_t availableMemory(const std::string& root) {
   return available;
 }
 
+size_t bytesInLargePages() {
+  std::ifstream sums("/proc/self/smaps_rollup");
+  for (std::string line; std::getline(sums, line);) // for example "AnonHugePages:  2048 kB"
+    if (line.compare(0, 14, "AnonHugePages:") == 0) return size_t(std::strtoull(line.c_str() + 14, nullptr, 10)) << 10;
+  return 0;
+}
+
 } // namespace programs

@@ -27,4 +27,7 @@ size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size);
  * `root` is the folder of proc and sys. */
 size_t availableMemory(const std::string& root = "");
 
+/* Bytes of this process in large pages (transparent huge pages); 0 on systems that do not tell. */
+size_t bytesInLargePages();
+
 } // namespace programs

@@ -1,11 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays from inside closed surfaces hit at every precision of cVERT. The surfaces are cages, grids, quads and triangles,
- * static and moving. Rays aim at stored vertices and edges, straight on and grazing. Embree's robust kernel decides
- * which points are inside.
+/* Rays from inside closed surfaces hit at every precision of cVERT, and have the same hits in tiles, to the bit. The
+ * surfaces are cages, grids, quads and triangles, static and moving (without tiles). Rays aim at stored vertices and
+ * edges, straight on and grazing. Embree's robust kernel decides which points are inside.
  *
- * CBVH_AIMED_RAYS sets the number of rays for each precision, for example 10000000. */
+ * CBVH_AIMED_RAYS sets the number of rays for each precision, for example 10000000, and CBVH_AIMED_ISA the instruction
+ * set, for example avx2. */
 
 #include "basics/parallel.h"
 #include "measure/leak_rays.h"
@@ -15,7 +16,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
+#include <cstring>
 
 namespace programs::test { namespace {
 
@@ -147,21 +150,33 @@ private:
 
 class TracerAt : public SceneTracer {
 public:
-  TracerAt(RTCScene scene, float time, bool inPackets)
+  // other: must have the same hits; may be null.
+  TracerAt(RTCScene scene, float time, bool inPackets, const TracerAt* other = nullptr)
     : single(scene),
       packets(scene),
       time(time),
-      inPackets(inPackets) {}
+      inPackets(inPackets),
+      other(other) {}
 
   void intersect(RTCRayHit* rays, size_t n) const override {
     for (size_t i = 0; i < n; i++) rays[i].ray.time = time;
+    std::vector<RTCRayHit> others(rays, rays + (other ? n : 0));
     tracer().intersect(rays, n);
+    if (!other) return;
+    other->intersect(others.data(), n);
+    for (size_t i = 0; i < n; i++) numDifferent += std::memcmp(&rays[i], &others[i], sizeof(RTCRayHit)) != 0;
   }
 
   void occluded(RTCRay* rays, size_t n) const override {
     for (size_t i = 0; i < n; i++) rays[i].time = time;
+    std::vector<RTCRay> others(rays, rays + (other ? n : 0));
     tracer().occluded(rays, n);
+    if (!other) return;
+    other->occluded(others.data(), n);
+    for (size_t i = 0; i < n; i++) numDifferent += std::memcmp(&rays[i], &others[i], sizeof(RTCRay)) != 0;
   }
+
+  mutable std::atomic<size_t> numDifferent{0}; // hits that are not those of `other`
 
 private:
   const SceneTracer& tracer() const { return inPackets ? (const SceneTracer&)packets : single; }
@@ -170,7 +185,20 @@ private:
   const PacketTracer packets;
   const float time;
   const bool inPackets;
+  const TracerAt* const other;
 };
+
+// The surface in a form. partOfEdge: see expectNoLeaks.
+RTCGeometry newGeometry(RTCDevice device, const Closed& surface, RTCCompression compression, double partOfEdge) {
+  RTCGeometry geometry = surface.make(device);
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.compression = compression;
+  if (partOfEdge >= 0) args.maxError = float(partOfEdge * surface.edge);
+  rtcSetGeometryCompression(geometry, &args);
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
 
 // True if normals of hits point outwards, as countLeaks expects: a ray from the center hits the back of the surface.
 bool pointsOutwards(RTCScene scene) {
@@ -181,24 +209,21 @@ bool pointsOutwards(RTCScene scene) {
 // partOfEdge: max_error relative to an edge; negative for the default.
 void expectNoLeaks(double partOfEdge) {
   Random random(1601);
-  Device device;
+  const char* const isa = std::getenv("CBVH_AIMED_ISA");
+  Device device(isa ? std::string("isa=") + isa : "");
+  ASSERT_TRUE(device) << isa;
   const std::vector<Closed> surfaces = closedSurfaces(random);
   const size_t raysOfRun = raysOfPrecision() / (2 * surfaces.size());
   size_t rays = 0, aimed = 0, leaks = 0, leaksOfRobust = 0;
   for (const Closed& surface : surfaces) {
     SCOPED_TRACE(surface.name);
-    RTCGeometry geometry = surface.make(device);
-    if (partOfEdge >= 0) {
-      RTCCompressionArguments args;
-      rtcInitCompressionArguments(&args);
-      args.compression = RTC_COMPRESSION_CVERT;
-      args.maxError = float(partOfEdge * surface.edge);
-      rtcSetGeometryCompression(geometry, &args);
-      rtcCommitGeometry(geometry);
-    }
-    Scene scene(device);
+    RTCGeometry geometry = newGeometry(device, surface, RTC_COMPRESSION_CVERT, partOfEdge);
+    Scene scene(device), tiles(device);
     rtcAttachGeometry(scene, geometry);
+    if (!surface.moves) attach(tiles, newGeometry(device, surface, RTC_COMPRESSION_CTILE, partOfEdge));
     rtcCommitScene(scene);
+    rtcCommitScene(tiles);
+    if (!surface.moves) ASSERT_NE(statisticsOf(tiles).nodeBytes, statisticsOf(scene).nodeBytes) << "no tiles";
     ASSERT_GT(statisticsOf(scene).numQuads, 0u);
     ASSERT_EQ(statisticsOf(scene).maxVertexDeviation == 0, partOfEdge == 0);
     ASSERT_TRUE(pointsOutwards(scene));
@@ -212,12 +237,14 @@ void expectNoLeaks(double partOfEdge) {
       LeakSettings settings;
       settings.rays = raysOfRun;
       settings.seed = random.bits();
-      const TracerAt tracer(scene, time, inPackets);
+      const TracerAt inTiles(tiles, time, inPackets),
+          tracer(scene, time, inPackets, surface.moves ? nullptr : &inTiles);
       const LeakCounts counts = countLeaks(judge, tracer, stored.points, settings, threadCount(0));
       rays += counts.rays;
       aimed += counts.aimed;
       leaksOfRobust += counts.gridLeaks.closest + counts.gridLeaks.any + counts.gridLeaks.through;
       leaks += counts.sceneLeaks.closest + counts.sceneLeaks.any + counts.sceneLeaks.through;
+      EXPECT_EQ(tracer.numDifferent, 0u) << "hits in tiles differ";
       EXPECT_GT(counts.aimed, raysOfRun / 2);
       EXPECT_EQ(counts.sceneLeaks.closest, 0u);
       EXPECT_EQ(counts.sceneLeaks.any, 0u);

@@ -90,7 +90,7 @@ for group in record["groups"]:
     assert 0 < exact["cLEAF"] <= 1 and exact["cLEAF-only"] == exact["cVOXEL"] == 0, exact
     for r in group["results"]:
         m = r["memory"]
-        assert 0 < m["live_bytes"] <= m["peak_bytes"]
+        assert 0 < m["live_bytes"] <= m["peak_bytes"] and m["large_page_bytes"] >= 0
         assert m["inner_bytes"] + m["leaf_bytes"] == m["live_bytes"], (r["representation"], m)
         assert len(r["speed"]) == 2 * 2 * 2 * 3 and len(r["views"]) == 2
         for s in r["speed"]:

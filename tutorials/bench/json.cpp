@@ -123,6 +123,7 @@ json libraryJson(const Library& library) {
 json memoryJson(const VariantResult& r) {
   json j = {{"live_bytes", r.build.liveBytes},
             {"peak_bytes", r.build.peakBytes},
+            {"large_page_bytes", r.build.largePageBytes},
             {"bytes_per_quad", r.build.bytesPerQuad()},
             {"inner_bytes", r.innerBytes},
             {"leaf_bytes", r.leafBytes},

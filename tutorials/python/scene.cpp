@@ -338,8 +338,8 @@ frame_level: )" +
          levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
   )" + wordsOf(&Representation::hasFrames, "") +
          R"(.
-max_error: bound in world units on the spacing of the lattice of ctile and cvert, where 0 stores vertices exactly, and on the thickness
-  of leaves if frame_level is "auto". None selects the library's default.
+max_error: bound in world units on the spacing of the lattice of ctile and cvert, where 0 stores vertices exactly, and
+  on the thickness of leaves if frame_level is "auto". None selects the library's default.
 max_pixel_error: bound on the spacing of that lattice in pixels of camera, 0 for none.
 threads: for building, 0 for all.
 isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; default the host's best.
