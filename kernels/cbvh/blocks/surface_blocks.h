@@ -43,6 +43,7 @@ struct SurfaceBlocks {
   uint32_t types = 0; //!< their types, as a mask: bit t for type t of leaves (base/leaf_type.h)
   cbvh::SurfaceStatistics statistics;
   std::shared_ptr<const cbvh::MappedBlocks> mapped; //!< null unless loaded from a file
+  mutable std::atomic<size_t> otherFormBytes{0};    //!< of surface_conversion.h: its estimate, or 0
   /*! The surface as it was loaded, of one whose blocks were converted after that (surface_conversion.h), else null. */
   std::shared_ptr<const SurfaceBlocks> unconverted;
 

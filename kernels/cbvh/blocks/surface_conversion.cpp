@@ -180,14 +180,17 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
     BVH4::NodeRef(ref).leaf(type);
     to->types |= 1u << type;
   }
+  to->otherFormBytes = from->bytesOfAll();
   to->finish();
   invalidateThreadCaches(); // other blocks may have had these addresses
   return to;
 }
 
-size_t estimateBytes(Device* device, const SurfaceBlocks& surface, BlockType form) {
+size_t bytesInOtherForm(Device* device, const SurfaceBlocks& surface) {
+  const BlockType form = otherForm(formOf(surface));
   if (form == VERT_BLOCK && surface.unconverted) return surface.unconverted->bytes();
-  const size_t maxSample = 256;
+  if (const size_t known = surface.otherFormBytes) return known;
+  const size_t maxSample = 64;
   const std::vector<size_t> leaves = leavesOf(surface);
   const size_t step = leaves.size() / maxSample + 1;
   std::vector<size_t> sample;
@@ -196,6 +199,7 @@ size_t estimateBytes(Device* device, const SurfaceBlocks& surface, BlockType for
   const std::unique_ptr<LeafConverter> converter(new LeafConverter(device, memory, form, true)); // large
   for (size_t& ref : sample) converter->convert(ref);
   const double added = double(converter->addedBytes()) / double(max(sample.size(), size_t(1)));
-  return size_t(max(0.0, double(surface.bytesOfAll()) + added * double(leaves.size())));
+  const double bytes = added != 0 ? double(surface.bytesOfAll()) + added * double(leaves.size()) : surface.bytes();
+  return surface.otherFormBytes = size_t(max(1.0, bytes));
 }
 } // namespace embree::cbvh

@@ -20,6 +20,13 @@ bool isConvertible(const SurfaceBlocks& surface);
 std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
                                                     BlockType form, const std::function<void()>& progress);
 
-/*! Estimates SurfaceBlocks::bytes() of a convertible surface in its other form, from a sample of its blocks. */
-size_t estimateBytes(Device* device, const SurfaceBlocks& surface, BlockType form);
+/*! TILE_BLOCK if some of the surface's blocks are tiles, otherwise VERT_BLOCK. */
+inline BlockType formOf(const SurfaceBlocks& surface) {
+  return surface.types >> TILE_BLOCK & 1u ? TILE_BLOCK : VERT_BLOCK;
+}
+inline BlockType otherForm(BlockType form) { return form == TILE_BLOCK ? VERT_BLOCK : TILE_BLOCK; }
+
+/*! Estimates SurfaceBlocks::bytes() of a convertible surface in its other form: the first call from a sample of its
+ *  blocks. Returns bytes() if none of these has another form. Thread-safe. */
+size_t bytesInOtherForm(Device* device, const SurfaceBlocks& surface);
 } // namespace embree::cbvh

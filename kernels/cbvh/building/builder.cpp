@@ -348,12 +348,11 @@ private:
 
   void addToLine(const Surface& surface, CommitLine& line) const {
     const SurfaceBlocks& blocks = *surface.blocks;
-    const bool hasTiles = (blocks.types >> cbvh::TILE_BLOCK) & 1u;
+    const bool hasTiles = cbvh::formOf(blocks) == cbvh::TILE_BLOCK;
     line.addCompressed(surface.geometry, surface.geomID, hasTiles ? cbvh::Kind::CTILE : surface.plan.kind(),
                        blocks.statistics);
     if (cbvh::isConvertible(blocks))
-      line.addOtherForm(hasTiles, blocks.bytesOfAll(),
-                        cbvh::estimateBytes(scene->device, blocks, hasTiles ? cbvh::VERT_BLOCK : cbvh::TILE_BLOCK));
+      line.addOtherForm(hasTiles, blocks.bytesOfAll(), cbvh::bytesInOtherForm(scene->device, blocks));
   }
 
   void reportCommit(const std::vector<Surface>& surfaces) const {

@@ -20,60 +20,85 @@ public:
   explicit FormChoice(Scene* scene) : scene(scene), budget(*scene->device->compression.memory) {}
 
   /*! blocks: replaced if the surface gets the other form. Must be convertible. */
-  void add(CompressibleGeometry* geometry, Blocks& blocks) {
-    surfaces.push_back(
-        Surface{geometry, &blocks, blocks->types >> cbvh::TILE_BLOCK & 1u ? cbvh::TILE_BLOCK : cbvh::VERT_BLOCK});
-  }
+  void add(CompressibleGeometry* geometry, Blocks& blocks) { surfaces.push_back(Surface{geometry, &blocks}); }
 
   /*! Converts surfaces. treeBytes: of the scene's trees that will be built. */
   void choose(size_t treeBytes) {
     std::stable_sort(surfaces.begin(), surfaces.end(),
                      [](const Surface& a, const Surface& b) { return a.gain() > b.gain(); });
-    for (size_t i = surfaces.size(); i-- && !fits(treeBytes);)
-      if (surfaces[i].form == cbvh::TILE_BLOCK) convert(surfaces[i], cbvh::VERT_BLOCK);
-    for (Surface& surface : surfaces)
-      if (surface.form == cbvh::VERT_BLOCK && fits(treeBytes + surface.bytesOfTiles(scene->device))) {
-        const Blocks before = *surface.blocks;
-        convert(surface, cbvh::TILE_BLOCK);
-        const size_t freed = before.use_count() == 1 ? before->bytes() : 0; // unless other scenes trace it
-        if (!fits(treeBytes, freed)) set(surface, before, cbvh::VERT_BLOCK);
-      }
+    removeTiles(treeBytes);
+    convert(tilesThatFit(treeBytes));
+    removeTiles(treeBytes); // estimates may be exceeded
   }
 
   bool hasTiles() const {
-    return std::any_of(surfaces.begin(), surfaces.end(),
-                       [](const Surface& surface) { return surface.form == cbvh::TILE_BLOCK; });
+    return std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& surface) { return surface.hasTiles(); });
   }
 
 private:
-  /*! True if the budget suffices for everything that counts, and further bytes, once others are freed. */
-  bool fits(size_t furtherBytes, size_t freedBytes = 0) const {
-    return budget.used() + furtherBytes <= budget.limit + freedBytes;
-  }
-
   struct Surface {
     CompressibleGeometry* geometry;
     Blocks* blocks;
-    cbvh::BlockType form;
 
-    /*! Bytes that tiles add, before they exist: an estimate. */
-    size_t bytesOfTiles(Device* device) const {
-      const size_t tiles = cbvh::estimateBytes(device, **blocks, cbvh::TILE_BLOCK), now = (*blocks)->bytes();
-      return tiles > now ? tiles - now : 0;
-    }
-
+    bool hasTiles() const { return cbvh::formOf(**blocks) == cbvh::TILE_BLOCK; }
     float gain() const { return area((*blocks)->bounds) / float((*blocks)->numPrimRefs + 1); }
   };
 
-  void convert(Surface& surface, cbvh::BlockType form) {
-    set(surface, cbvh::convertSurface(scene->device, *surface.blocks, form, [this] { scene->progressMonitor(0.0); }),
-        form);
+  /*! Bytes by which everything that counts would exceed the budget, with further bytes. */
+  size_t excess(size_t furtherBytes) const {
+    const size_t bytes = budget.used() + furtherBytes;
+    return bytes > budget.limit ? bytes - budget.limit : 0;
   }
 
-  static void set(Surface& surface, const Blocks& blocks, cbvh::BlockType form) {
-    *surface.blocks = blocks;
-    cbvh::replaceBlocks(surface.geometry, blocks);
-    surface.form = form;
+  /*! Returns how much smaller the form with fewer bytes is. */
+  size_t difference(const Surface& surface) const {
+    const size_t now = (*surface.blocks)->bytes(), other = cbvh::bytesInOtherForm(scene->device, **surface.blocks);
+    return max(now, other) - min(now, other);
+  }
+
+  /*! Converts tiles with the least gain until everything fits, or there are none left. */
+  void removeTiles(size_t treeBytes) {
+    while (const size_t toFree = excess(treeBytes)) {
+      std::vector<Surface*> removed;
+      size_t freed = 0;
+      for (size_t i = surfaces.size(); i-- && freed < toFree;)
+        if (surfaces[i].hasTiles()) {
+          removed.push_back(&surfaces[i]);
+          freed += difference(surfaces[i]);
+        }
+      if (removed.empty()) return;
+      convert(removed);
+    }
+  }
+
+  std::vector<Surface*> tilesThatFit(size_t treeBytes) {
+    std::vector<Surface*> chosen;
+    if (excess(treeBytes + 1)) return chosen;
+    parallel_for(size_t(0), surfaces.size(), [&](const range<size_t>& r) { // estimates that difference() needs
+      for (size_t i = r.begin(); i != r.end(); i++)
+        if (!surfaces[i].hasTiles()) cbvh::bytesInOtherForm(scene->device, **surfaces[i].blocks);
+    });
+    size_t added = 0;
+    for (Surface& surface : surfaces) {
+      if (surface.hasTiles()) continue;
+      const size_t bytes = difference(surface);
+      if (bytes == 0 || excess(treeBytes + added + bytes)) continue;
+      added += bytes;
+      chosen.push_back(&surface);
+    }
+    return chosen;
+  }
+
+  /*! Gives surfaces their other form, in parallel. */
+  void convert(const std::vector<Surface*>& chosen) {
+    parallel_for(size_t(0), chosen.size(), size_t(1), [&](const range<size_t>& r) {
+      for (size_t i = r.begin(); i != r.end(); i++) {
+        Blocks& blocks = *chosen[i]->blocks;
+        blocks = cbvh::convertSurface(scene->device, blocks, cbvh::otherForm(cbvh::formOf(*blocks)),
+                                      [this] { scene->progressMonitor(0.0); });
+        cbvh::replaceBlocks(chosen[i]->geometry, blocks);
+      }
+    });
   }
 
   Scene* const scene;
