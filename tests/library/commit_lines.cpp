@@ -54,21 +54,21 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType) {
     settings.rate = 64;
     settings.timeSteps = timeSteps;
     const std::pair<const char*, std::function<RTCGeometry(RTCDevice)>> types[] = {
-        {"1 subdivision surface as cVERT: ",
-         [&](RTCDevice device) { return newSurface(device, cubeCage(), settings); }},
-        {"1 grid geometry as cVERT: ",
+        {"1 subdivision surface as ", [&](RTCDevice device) { return newSurface(device, cubeCage(), settings); }},
+        {"1 grid geometry as ",
          [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-        {"1 quad mesh as cVERT: ",
+        {"1 quad mesh as ",
          [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-        {"1 triangle mesh as cVERT: ",
+        {"1 triangle mesh as ",
          [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
     for (const auto& type : types) {
-      const auto& name = type.first;
+      const std::string name = type.first + std::string(timeSteps == 1 ? "cTILE: " : "cVERT: ");
       const auto& make = type.second;
       SCOPED_TRACE(testing::Message() << name << timeSteps << " time steps " << isa);
       const std::string line =
           commitLineOf(isa, [&](RTCDevice device, RTCScene scene) { attach(scene, make(device)); });
       EXPECT_NE(line.find(name), std::string::npos) << line;
+      EXPECT_EQ(line.find(", as cVERT about ") != std::string::npos, timeSteps == 1) << line;
       EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
       const size_t at = line.find("Embree would use about "), input = line.find("buffers that stay: ");
       ASSERT_NE(at, std::string::npos) << line;
@@ -123,7 +123,7 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons) {
     settings.compression = RTC_COMPRESSION_NONE;
     addSurface(device, scene, quadCage(), settings);
   });
-  EXPECT_NE(line.find("compression: 1 grid geometry as cVERT: 4096 quads"), std::string::npos) << line;
+  EXPECT_NE(line.find("compression: 1 grid geometry as cTILE: 4096 quads"), std::string::npos) << line;
   EXPECT_TRUE(containsInOrder(line, {"not compressed: 1 subdivision surface ", " ask ", " 100 grids ", " small ",
                                      " 64 quads that are too few to matter", " 100 triangles ", " few "}));
 }
@@ -182,7 +182,8 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid) {
   settings.rate = 64;
   for (const char* environment : {"1,verbose", "verbose,cvert", "1,verbose=1", "verbose=0,verbose=2,1"}) {
     const std::string line = lineOf(environment, "", settings);
-    EXPECT_NE(line.find("1 subdivision surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
+    const std::string kind = std::string(environment).find("cvert") == std::string::npos ? "cTILE" : "cVERT";
+    EXPECT_NE(line.find("1 subdivision surface as " + kind + ": 24576 quads in 0."), std::string::npos) << line;
     EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
     /* the estimated memory of GRID matches its actual memory, except for the allocator's rounding */
     Memory memory;

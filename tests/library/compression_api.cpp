@@ -25,7 +25,7 @@ namespace programs::test { namespace {
 std::string representationOf(RTCScene scene) {
   const RTCCompressionStatistics s = statisticsOf(scene);
   if (s.numBlocks == 0) return "none";
-  if (s.maxVertexSpacing > 0) return "vert";
+  if (s.maxVertexSpacing > 0) return "exact";
   // leaves have no bytes, 2 bytes per quad (at least 8), or 12 per vertex; and up to 12 bytes align the next block
   const size_t leaves = s.leafBytes / s.numBlocks, quads = s.numQuads / s.numBlocks;
   std::string name = leaves < 16 ? "voxel" : leaves <= std::max<size_t>(2 * quads, 8) + 12 ? "leaf" : "grid";
@@ -125,10 +125,24 @@ TEST(Settings, GeometryOverridesDeviceOverridesEnvironment) {
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
 }
 
-TEST(Settings, OneSelectsDefaultKind) {
-  EXPECT_EQ(representation("subdiv_accel=cbvh"), "vert");
+TEST(Settings, DefaultKindIsTiles) {
+  const auto leafBytes = [](const std::string& config) {
+    Device device(config);
+    SurfaceSettings settings;
+    settings.rate = 32;
+    const SurfaceScene scene(device, cubeCage(), settings);
+    return statisticsOf(scene).leafBytes;
+  };
+  EXPECT_EQ(leafBytes("subdiv_accel=cbvh"), leafBytes("subdiv_accel=cbvh.tile"));
+  EXPECT_GT(leafBytes("subdiv_accel=cbvh"), leafBytes("subdiv_accel=cbvh.vert"));
   Environment environment("1");
-  EXPECT_EQ(representation(""), "vert");
+  EXPECT_EQ(leafBytes(""), leafBytes("subdiv_accel=cbvh.tile"));
+}
+
+TEST(Settings, OneSelectsDefaultKind) {
+  EXPECT_EQ(representation("subdiv_accel=cbvh"), "exact");
+  Environment environment("1");
+  EXPECT_EQ(representation(""), "exact");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
 }
 

@@ -63,7 +63,7 @@ done
 cmp "$folder/threads1.png" "$folder/threads2.png" || complain "threads change the picture"
 
 # Ctrl-C during rendering, when the scene is built: no file.
-expect_cancellation "grep -q 'cVERT: build' '$folder/stderr'" --scene cube --level 2 --samples 1000000 --device cpu \
+expect_cancellation "grep -q 'cTILE: build' '$folder/stderr'" --scene cube --level 2 --samples 1000000 --device cpu \
   --output "$folder/out.png"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 

@@ -233,16 +233,16 @@ def test_background(session):
     coarse = session.screenshot("plane", "--level", "3", scene=(plane,))
     session.start("--level", "8", scene=(plane,))
     session.key("h")
-    session.says("building cVERT, level 8")
+    session.says("building cTILE, level 8")
     session.key(*["shift+l"] * 5)
     session.shows("a coarser level at once", coarse)
-    if "building cVERT, level 8: stopped" not in session.read("log"):
+    if "building cTILE, level 8: stopped" not in session.read("log"):
         fail(f"the finer level was not stopped: {session.read('log')}")
     session.key(*["l"] * 5)
-    session.says("building cVERT, level 8")
+    session.says("building cTILE, level 8")
     session.key("q")
     session.ends(0)
-    if session.read("log").count("building cVERT, level 8: stopped") != 2:
+    if session.read("log").count("building cTILE, level 8: stopped") != 2:
         fail(f"the last build was not stopped: {session.read('log')}")
 
     session.start("--level", "4")

@@ -242,7 +242,7 @@ class Building(unittest.TestCase):
     def test_cage_can_be_used_as_model_without_displacement(self):
         scene = cbvh.build(sheet(), level=3)
         self.assertFalse(scene.model.is_displaced)
-        self.assertEqual(scene.representation, "cVERT")
+        self.assertEqual(scene.representation, "cTILE")
         self.assertEqual(scene.level, 3)
 
     def test_requested_frame_levels_are_used(self):
