@@ -77,7 +77,7 @@ def main():
     if options.interposer:
         if not options.interposer.exists():
             sys.exit(f"{options.interposer}: this file does not exist; --interposer names libembree_cbvh_interposer.so")
-        our_settings = {"EMBREE_CBVH": "1,triangles=1,verbose"}
+        our_settings = {"EMBREE_CBVH": "1,verbose"}
         preloaded = [options.interposer.resolve()]
     else:
         if not (options.library / "libembree3.so.3").exists():

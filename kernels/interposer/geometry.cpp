@@ -17,10 +17,10 @@ namespace {
 struct Canceled {};
 
 const char* nameOf(RTCGeometryType type) {
-  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "subdivision"
-         : type == RTC_GEOMETRY_TYPE_GRID      ? "grid"
-         : type == RTC_GEOMETRY_TYPE_QUAD      ? "quad"
-                                               : "triangle";
+  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "a subdivision surface"
+         : type == RTC_GEOMETRY_TYPE_GRID      ? "a grid geometry"
+         : type == RTC_GEOMETRY_TYPE_QUAD      ? "a quad mesh"
+                                               : "a triangle mesh";
 }
 
 /* Returns a context of libembree_cbvh, which devices with the same settings share. It is never released. Throws
@@ -113,11 +113,14 @@ bool Substituted::build(const Progress& progress) {
   } catch (const Canceled&) {
     discard();
     return false;
-  } catch (const std::exception& reason) {
+  } catch (const Unsupported& reason) {
     discard();
     isLeft = true;
-    const bool isMemory = dynamic_cast<const std::bad_alloc*>(&reason);
-    warnOnce("a %s geometry is left to Embree: %s", nameOf(input.type), isMemory ? "out of memory" : reason.what());
+    reportLeftToEmbree(nameOf(input.type), reason.what());
+  } catch (const std::exception&) { // std::bad_alloc, or std::length_error of a container
+    discard();
+    isLeft = true;
+    warnOnce("%s is left to Embree: out of memory", nameOf(input.type));
   }
   REAL(rtcCommitGeometry)(substitute); // the bounds have changed
   isCommitted = false;

@@ -7,6 +7,7 @@
 #include "environment.h"
 #include "lower_case.h"
 
+#include <cctype>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -45,9 +46,9 @@ static bool parseSwitch(const std::string& text, bool& value) {
   return text == "0" || text == "1";
 }
 
-/* True for names of the paper's representations and their settings, which libembree3 of this project supports. */
-static bool isFramedSetting(const std::string& item) {
-  static const std::set<std::string> names = {"grid", "voxel", "leaf"};
+/* True for names of representations, and their settings, that only libembree3 of this project supports. */
+static bool isOtherRepresentation(const std::string& item) {
+  static const std::set<std::string> names = {"grid", "voxel", "leaf", "tile"};
   const std::string name = embree::lowerCase(item);
   for (const char* prefix : {"cbvh.", "c", ""}) {
     const size_t length = std::strlen(prefix);
@@ -60,8 +61,7 @@ static bool isFramedSetting(const std::string& item) {
 /* Applies an item of EMBREE_CBVH. Returns false if it is unknown or has an invalid value. The last of several items
  * that turn compression on or off decides. */
 static bool parse(const std::string& item, Options& options) {
-  bool isVerbose;
-  if (embree::parseVerbose(item, isVerbose)) return true; // libembree_cbvh reads it itself
+  if (embree::parseVerbose(item, options.isVerbose)) return true; // libembree_cbvh reads it, too
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
     if (item == "release_input") return true; // libembree_cbvh always releases input
@@ -87,7 +87,7 @@ const Options& options() {
     bool isInvalid = false;
     for (const std::string& item : embree::environmentItems()) {
       if (parse(item, read)) continue;
-      if (isFramedSetting(item)) {
+      if (isOtherRepresentation(item)) {
         if (item.find('=') == std::string::npos) read.isOn = true; // a representation
         warnOnce("EMBREE_CBVH: \"%s\" is not supported: compressed geometry is stored as cVERT", item.c_str());
         continue;
@@ -103,9 +103,20 @@ const Options& options() {
                item.c_str(), error.c_str());
     }
     read.isOn &= !isInvalid;
+    if (read.isVerbose && !read.isOn && !isInvalid)
+      warnOnce("EMBREE_CBVH: nothing is compressed: expected the item 1, without a later 0");
     return read;
   }();
   return options;
+}
+
+/* Prints the line unless one with the same key was printed before. */
+static void printOnce(const char* line, const std::string& key) {
+  /* Never destroyed, because programs release geometries in destructors of static objects. */
+  static std::mutex& mutex = *new std::mutex;
+  static std::set<std::string>& printed = *new std::set<std::string>;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (printed.insert(key).second) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
 }
 
 void warnOnce(const char* format, ...) {
@@ -114,15 +125,20 @@ void warnOnce(const char* format, ...) {
   va_start(arguments, format);
   std::vsnprintf(line, sizeof(line), format, arguments);
   va_end(arguments);
-  bool isNew = true; // also if memory runs out
   try {
-    /* Never destroyed, because programs release geometries in destructors of static objects. */
-    static std::mutex& mutex = *new std::mutex;
-    static std::set<std::string>& printed = *new std::set<std::string>;
-    const std::lock_guard<std::mutex> lock(mutex);
-    isNew = printed.insert(line).second;
+    printOnce(line, line);
+  } catch (const std::bad_alloc&) { std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line); }
+}
+
+void reportLeftToEmbree(const char* geometry, const char* reason) {
+  if (!options().isVerbose) return;
+  try {
+    const std::string line = std::string(geometry) + " is left to Embree: " + reason;
+    std::string withoutNumbers;
+    for (const char c : line)
+      if (!std::isdigit((unsigned char)c)) withoutNumbers += c;
+    printOnce(line.c_str(), withoutNumbers);
   } catch (const std::bad_alloc&) {}
-  if (isNew) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
 }
 
 } // namespace interposer

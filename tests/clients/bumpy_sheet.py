@@ -83,9 +83,9 @@ for compression in compressions:
     if compression == "plain":
         os.environ["EMBREE_CBVH"] = "0"
     elif compression in spacing:
-        os.environ["EMBREE_CBVH"] = "1,verbose,triangles=1" + spacing[compression]
+        os.environ["EMBREE_CBVH"] = "1,verbose" + spacing[compression]
     else:
-        os.environ["EMBREE_CBVH"] = f"1,verbose,triangles=1,max_error={np.median(edges) / int(compression):.9g}"
+        os.environ["EMBREE_CBVH"] = f"1,verbose,max_error={np.median(edges) / int(compression):.9g}"
     picture = os.path.join(folder, compression)
     scene.render.filepath = picture + ".exr"
     print("begin:", compression, file=sys.stderr, flush=True)
