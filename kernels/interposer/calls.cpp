@@ -145,10 +145,11 @@ RTC_API void rtcReleaseDevice(RTCDevice device) {
   REAL(rtcReleaseDevice)(device);
 }
 
-/* The caller must release the result. */
+/* The caller must release the result. A scene can hold the last reference to its device, which is then unknown. */
 RTC_API RTCDevice rtcGetSceneDevice(RTCScene scene) {
   const RTCDevice device = REAL(rtcGetSceneDevice)(scene);
-  if (isActive()) devices().retain(device);
+  if (isActive() && !devices().retain(device) && Objects::get().find(scene))
+    guarded("rtcGetSceneDevice", [&] { devices().add(device, ""); });
   return device;
 }
 
@@ -156,7 +157,8 @@ RTC_API RTCDevice rtcGetSceneDevice(RTCScene scene) {
 
 RTC_API RTCScene rtcNewScene(RTCDevice device) {
   const RTCScene scene = REAL(rtcNewScene)(device);
-  if (!scene || !isActive() || guarded("rtcNewScene", [&] { Objects::get().addScene(scene); })) return scene;
+  if (!scene || !isActive() || !devices().contains(device)) return scene;
+  if (guarded("rtcNewScene", [&] { Objects::get().addScene(scene); })) return scene;
   REAL(rtcReleaseScene)(scene);
   return nullptr;
 }
@@ -234,7 +236,7 @@ RTC_API void rtcSetSceneProgressMonitorFunction(RTCScene scene, RTCProgressMonit
 
 RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type) {
   const RTCGeometry geometry = REAL(rtcNewGeometry)(device, type);
-  if (!geometry || !isActive()) return geometry;
+  if (!geometry || !isActive() || !devices().contains(device)) return geometry;
   const bool isRecorded = guarded("rtcNewGeometry", [&] {
     if (isInstance(type)) Objects::get().addGeometry(geometry, type, nullptr);
     if (!options().compresses(type)) return;

@@ -6,6 +6,7 @@
 /* Settings of the application's devices and sizes of its buffers, kept while the application holds references to them.
  * Independent of Embree's headers. */
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -24,10 +25,13 @@ public:
     entries[handle] = {properties, 1};
   }
 
-  void retain(const void* handle) {
+  /* Returns false for an unknown object. */
+  bool retain(const void* handle) {
     const std::lock_guard<std::mutex> lock(mutex);
     const auto found = entries.find(handle);
-    if (found != entries.end()) found->second.references++;
+    if (found == entries.end()) return false;
+    found->second.references++;
+    return true;
   }
 
   /* Removes the object with its last reference. Must be called before Embree releases the object: afterwards, a new
@@ -36,6 +40,11 @@ public:
     const std::lock_guard<std::mutex> lock(mutex);
     const auto found = entries.find(handle);
     if (found != entries.end() && --found->second.references == 0) entries.erase(found);
+  }
+
+  bool contains(const void* handle) const {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return entries.count(handle) != 0;
   }
 
   /* Returns the default for an unknown object. */
@@ -60,17 +69,20 @@ private:
   std::map<const void*, Entry> entries;
 };
 
+/* Devices that rtcNewDevice returned. Other functions return devices of GPUs, which cannot trace substitutes. */
 class Devices : public Handles<std::string> {
 public:
   std::string settingsOf(const void* device) const { return propertiesOf(device); }
 };
 
 struct BufferSize {
-  size_t bytes = SIZE_MAX; // unlimited for unknown buffers
+  size_t bytes = SIZE_MAX;           // unlimited for unknown buffers
+  bool requiresWholeStrides = false; // Embree 4.4 rejects a range that ends within its last stride
 
   /* True if an item of the range is not completely in the buffer. stride: from item to item, in bytes. */
   bool isExceededBy(size_t offset, size_t stride, size_t itemBytes, size_t count) const {
     if (count == 0) return false;
+    if (requiresWholeStrides) itemBytes = std::max(itemBytes, stride);
     if (itemBytes > bytes || offset > bytes - itemBytes) return true;
     return stride != 0 && count - 1 > (bytes - itemBytes - offset) / stride;
   }

@@ -184,6 +184,7 @@ void Input::applyMesh(CbvhSurface surface) const {
   }
   if (mesh.numFaces == 0) throw Unsupported("it has no quads or triangles");
   if (mesh.numFaces < 256) throw Unsupported("it has too few quads or triangles to matter: Embree traces them faster");
+  if (isRefitted) throw Unsupported("it has RTC_BUILD_QUALITY_REFIT");
   mesh.vertices = vertices(steps);
   check(cbvhSetSurfaceMesh(surface, &mesh));
 }

@@ -37,20 +37,27 @@ void* findReal(const char* name) {
   return function;
 }
 
-static bool isRealEmbree4() {
-  /* Compares the libraries, because a program on Embree 3 may have a plugin with an Embree 4 of its own. */
-  const void* const intersect = findFunction("rtcIntersect1");
-  const void* const onlyIn4 = findFunction("rtcInvokeIntersectFilterFromGeometry");
-  Dl_info real, embree4;
-  return intersect && onlyIn4 && dladdr(intersect, &real) && dladdr(onlyIn4, &embree4) &&
-         real.dli_fbase == embree4.dli_fbase;
+/* True if the library of REAL(rtcIntersect1) contains this function. Compares the libraries, because a program on
+ * Embree 3 may have a plugin with an Embree 4 of its own. */
+static bool isInRealEmbree(const char* name) {
+  const void *const intersect = findFunction("rtcIntersect1"), *const function = findFunction(name);
+  Dl_info real, found;
+  return intersect && function && dladdr(intersect, &real) && dladdr(function, &found) &&
+         real.dli_fbase == found.dli_fbase;
+}
+
+static bool isSupportedEmbree() {
+  if (!isInRealEmbree("rtcInvokeIntersectFilterFromGeometry")) return false; // Embree 3
+  if (isInRealEmbree("rtcGetGeometryTransformEx")) return true;
+  warnOnce("the program's Embree 4 is too old, nothing is compressed: expected 4.3 or later");
+  return false;
 }
 
 bool isActive() {
   static const bool active = [] {
     bool isOn = false;
     guarded("EMBREE_CBVH", [&] { isOn = options().isOn; });
-    return isOn && isRealEmbree4();
+    return isOn && isSupportedEmbree();
   }();
   return active;
 }

@@ -14,8 +14,8 @@ namespace interposer {
  * the program if no loaded Embree has the function. */
 void* findReal(const char* name);
 
-/* False if the environment disables this library, or REAL finds the functions of Embree 3, which have the same names
- * but other arguments. All calls are then forwarded unchanged. */
+/* False if the environment does not request compression, or REAL finds the functions of an Embree before 4.3, whose
+ * arguments or hits differ. All calls are then forwarded unchanged. */
 bool isActive();
 
 } // namespace interposer

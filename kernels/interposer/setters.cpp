@@ -10,8 +10,6 @@
 #include "immortal.h"
 #include "objects.h"
 
-#include <algorithm>
-
 using namespace interposer;
 
 namespace {
@@ -43,10 +41,11 @@ void changeAppearance(RTCGeometry geometry, const Set& set) {
 /* Never destroyed, because programs release buffers in destructors of static objects. */
 Handles<BufferSize>& bufferSizes() { return immortal<Handles<BufferSize>>(); }
 
-/* Returns the buffer, or NULL if memory runs out. */
-RTCBuffer recorded(RTCBuffer buffer, size_t bytes) {
+/* Returns the buffer, or NULL if memory runs out. device: of the buffer. */
+RTCBuffer recorded(RTCBuffer buffer, RTCDevice device, size_t bytes) {
   if (!buffer || !isActive()) return buffer;
-  if (guarded("rtcNewBuffer", [&] { bufferSizes().add(buffer, {bytes}); })) return buffer;
+  const bool requiresWholeStrides = REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_VERSION) >= 40400;
+  if (guarded("rtcNewBuffer", [&] { bufferSizes().add(buffer, {bytes, requiresWholeStrides}); })) return buffer;
   REAL(rtcReleaseBuffer)(buffer);
   return nullptr;
 }
@@ -63,11 +62,7 @@ size_t sizeOf(RTCFormat format) {
 }
 
 bool isOutOfBounds(RTCBuffer buffer, RTCFormat format, size_t offset, size_t stride, size_t count) {
-  size_t itemBytes = sizeOf(format);
-#if RTC_VERSION >= 40400
-  itemBytes = std::max(itemBytes, stride); // Embree 4.4 rejects a buffer that ends within the last stride
-#endif
-  return bufferSizes().propertiesOf(buffer).isExceededBy(offset, stride, itemBytes, count);
+  return bufferSizes().propertiesOf(buffer).isExceededBy(offset, stride, sizeOf(format), count);
 }
 
 /* Repeats Embree's checks of slot, format, alignment and size. Also false if the buffer is no input of a build. */
@@ -111,11 +106,11 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, cons
 /* --- buffers -------------------------------------------------------------------------------- */
 
 RTC_API RTCBuffer rtcNewBuffer(RTCDevice device, size_t byteSize) {
-  return recorded(REAL(rtcNewBuffer)(device, byteSize), byteSize);
+  return recorded(REAL(rtcNewBuffer)(device, byteSize), device, byteSize);
 }
 
 RTC_API RTCBuffer rtcNewSharedBuffer(RTCDevice device, void* ptr, size_t byteSize) {
-  return recorded(REAL(rtcNewSharedBuffer)(device, ptr, byteSize), byteSize);
+  return recorded(REAL(rtcNewSharedBuffer)(device, ptr, byteSize), device, byteSize);
 }
 
 RTC_API void rtcRetainBuffer(RTCBuffer buffer) {
@@ -150,13 +145,15 @@ RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, 
   return data;
 }
 
-#if RTC_VERSION >= 40400
+/* Functions of Embree 4.4, defined for all versions, because one library works with all of them. On CPUs, the memory of
+ * the device is the memory of the host. */
+
 RTC_API RTCBuffer rtcNewBufferHostDevice(RTCDevice device, size_t byteSize) {
-  return recorded(REAL(rtcNewBufferHostDevice)(device, byteSize), byteSize);
+  return recorded(REAL(rtcNewBufferHostDevice)(device, byteSize), device, byteSize);
 }
 
 RTC_API RTCBuffer rtcNewSharedBufferHostDevice(RTCDevice device, void* ptr, size_t byteSize) {
-  return recorded(REAL(rtcNewSharedBufferHostDevice)(device, ptr, byteSize), byteSize);
+  return recorded(REAL(rtcNewSharedBufferHostDevice)(device, ptr, byteSize), device, byteSize);
 }
 
 RTC_API void rtcSetSharedGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferType type, unsigned int slot,
@@ -176,7 +173,6 @@ RTC_API void rtcSetNewGeometryBufferHostDevice(RTCGeometry geometry, RTCBufferTy
   if (ptr) *ptr = data;
   setBuffer(geometry, type, slot, {format, (const char*)data, byteStride, itemCount});
 }
-#endif
 
 RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot) {
   REAL(rtcUpdateGeometryBuffer)(geometry, type, slot);
@@ -216,6 +212,11 @@ RTC_API void rtcSetGeometrySubdivisionMode(RTCGeometry geometry, unsigned int to
 RTC_API void rtcSetGeometryDisplacementFunction(RTCGeometry geometry, RTCDisplacementFunctionN displacement) {
   REAL(rtcSetGeometryDisplacementFunction)(geometry, displacement);
   changeInput(geometry, [&](Input& input) { input.displacement = displacement; });
+}
+
+RTC_API void rtcSetGeometryBuildQuality(RTCGeometry geometry, RTCBuildQuality quality) {
+  REAL(rtcSetGeometryBuildQuality)(geometry, quality);
+  changeInput(geometry, [&](Input& input) { input.isRefitted = quality == RTC_BUILD_QUALITY_REFIT; });
 }
 
 RTC_API void rtcCommitGeometry(RTCGeometry geometry) {

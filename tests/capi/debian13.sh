@@ -2,15 +2,17 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs libembree_cbvh as built here on Debian 13 next to its Embree 4: the tests of hits, both examples, the speed test,
-# and reload; valgrind looks for leaks. Requires root, debootstrap, the machine's package registry and 1 GB of disk.
-# Takes two minutes, or seconds if the root file system already exists.
+# Runs libembree_cbvh as built here on Debian 13, or another RELEASE of Debian, next to its Embree 4: the tests of hits,
+# both examples, the speed test, and reload; valgrind looks for leaks. Requires root, debootstrap, the machine's package
+# registry and 1 GB of disk. Takes two minutes, or seconds if the root file system already exists.
 #
-#   debian13.sh BUILD-DIRECTORY DIRECTORY-FOR-THE-ROOT
+#   debian13.sh BUILD-DIRECTORY DIRECTORY-FOR-THE-ROOT [RELEASE]
+#
+# RELEASE is trixie (default), testing or unstable.
 set -eu
-build=$(cd "$1" && pwd) roots=$2
+build=$(cd "$1" && pwd) roots=$2 release=${3:-trixie}
 here=$(cd -- "$(dirname -- "$0")" && pwd)
-. "$here/root13.sh"
+. "$here/debian_root.sh"
 install_in_root g++ libembree-dev valgrind
 trap 'umount "$root/proc" 2>/dev/null || true' EXIT
 mount --bind /proc "$root/proc" # for valgrind
@@ -26,7 +28,7 @@ inside() { chroot "$root" sh -c "cd /root/capi && $*"; }
 for program in hits displaced_cage diced_grids speed; do
   inside "$compile $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/capi" ||
     fail "$program does not compile"
-  inside "./$program" || fail "$program fails on Debian 13"
+  inside "./$program" || fail "$program fails on $release"
 done
 inside "$compile reload.cpp -o reload -lembree4" &&
   inside "./reload ./libembree_cbvh.so.0" || fail "reload does not compile or run"
@@ -47,4 +49,4 @@ for program in ./displaced_cage "./reload ./libembree_cbvh.so.0"; do
     echo "valgrind does not support this processor's instructions"
   fi
 done
-echo "Debian 13: passed"
+echo "$release: passed"

@@ -14,10 +14,12 @@ TEST(InterposerDevices, SettingsAreKeptUntilTheLastReferenceIsReleased) {
   const char a = 0, b = 0;
   devices.add(&a, "threads=1");
   devices.add(&b, "threads=2");
-  devices.retain(&a);
+  EXPECT_TRUE(devices.retain(&a));
   devices.release(&a);
+  EXPECT_TRUE(devices.contains(&a));
   EXPECT_EQ(devices.settingsOf(&a), "threads=1");
   devices.release(&a);
+  EXPECT_FALSE(devices.contains(&a));
   EXPECT_EQ(devices.settingsOf(&a), "");
   EXPECT_EQ(devices.settingsOf(&b), "threads=2");
   EXPECT_EQ(devices.size(), 1u);
@@ -29,7 +31,8 @@ TEST(InterposerDevices, UnknownDevicesAreNotStored) {
   interposer::Devices devices;
   const char unknown = 0;
   EXPECT_EQ(devices.settingsOf(&unknown), "");
-  devices.retain(&unknown);
+  EXPECT_FALSE(devices.retain(&unknown));
+  EXPECT_FALSE(devices.contains(&unknown));
   devices.release(&unknown);
   devices.release(nullptr);
   EXPECT_EQ(devices.size(), 0u);
@@ -49,7 +52,7 @@ TEST(InterposerDevices, NewDeviceWithAReleasedHandleHasItsOwnSettings) {
 TEST(InterposerDevices, RangesPastTheEndOfABufferAreFound) {
   interposer::Handles<interposer::BufferSize> buffers;
   const char a = 0, unknown = 0;
-  buffers.add(&a, {100});
+  buffers.add(&a, {100, false});
   const interposer::BufferSize size = buffers.propertiesOf(&a);
   EXPECT_FALSE(size.isExceededBy(4, 12, 12, 8));
   EXPECT_FALSE(size.isExceededBy(8, 16, 12, 6));
@@ -60,7 +63,9 @@ TEST(InterposerDevices, RangesPastTheEndOfABufferAreFound) {
   EXPECT_TRUE(size.isExceededBy(89, 0, 12, 1));
   EXPECT_TRUE(size.isExceededBy(SIZE_MAX - 4, 12, 12, 1));
   EXPECT_TRUE(size.isExceededBy(0, SIZE_MAX / 2 + 1, 12, 3)) << "the product overflows";
-  EXPECT_TRUE(interposer::BufferSize{8}.isExceededBy(0, 12, 12, 1));
+  EXPECT_TRUE((interposer::BufferSize{8, false}.isExceededBy(0, 12, 12, 1)));
+  EXPECT_TRUE((interposer::BufferSize{100, true}.isExceededBy(8, 16, 12, 6))) << "the range ends within a stride";
+  EXPECT_FALSE((interposer::BufferSize{104, true}.isExceededBy(8, 16, 12, 6)));
   EXPECT_FALSE(buffers.propertiesOf(&unknown).isExceededBy(5, 12, 12, 1000000));
 }
 

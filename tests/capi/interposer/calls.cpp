@@ -5,9 +5,11 @@
  * a second run with it must have the same hits except for the rounding to the lattice. Depends only on the parts of
  * host.h for Embree.
  *
- *   calls FILE          writes FILE if it does not exist, otherwise compares with it */
+ *   calls FILE [traversables]     writes FILE if it does not exist, otherwise compares with it. `traversables`: queries
+ *                                 traversables instead of scenes */
 
 #include "../host.h"
+#include "scene_queries.h"
 
 #include <algorithm>
 #include <atomic>
@@ -115,6 +117,7 @@ void refuseOdd(const RTCFilterFunctionNArguments* args) {
 
 /* Rejects hits on one side. */
 void refuseLeft(const RTCFilterFunctionNArguments* args) {
+  CHECK(args->geometryUserPtr == &userData);
   Context& context = *(Context*)args->context;
   CHECK(context.magic == 4711);
   context.numCalls++;
@@ -150,6 +153,30 @@ void intersectSquare(const RTCIntersectFunctionNArguments* args) {
   }
 }
 void occludedSquare(const RTCOccludedFunctionNArguments* args) { CHECK(args->geometryUserPtr == &squareData); }
+
+/* A user geometry that forwards rays to the scene `inside`. */
+RTCScene inside = nullptr;
+void boundInside(const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }
+template<typename Rays, typename Arguments>
+void forwardMoved(const Arguments* args, const void* rays) {
+  Rays moved = *(const Rays*)rays;
+  float* const org_x = (float*)&moved; // the first member
+  for (unsigned i = 0; i < args->N; i++) org_x[i] += 0.2f;
+  scene_queries::forward(args, inside, &moved, 5);
+}
+template<typename Arguments>
+void forwardRays(const Arguments* args, const void* rays) {
+  CHECK(args->geometryUserPtr == &inside);
+  switch (args->N) {
+  case 1: return forwardMoved<RTCRay>(args, rays);
+  case 4: return forwardMoved<RTCRay4>(args, rays);
+  case 8: return forwardMoved<RTCRay8>(args, rays);
+  case 16: return forwardMoved<RTCRay16>(args, rays);
+  default: CHECK(!"a packet of 1, 4, 8 or 16 rays");
+  }
+}
+void intersectInside(const RTCIntersectFunctionNArguments* args) { forwardRays(args, args->rayhit); }
+void occludedInside(const RTCOccludedFunctionNArguments* args) { forwardRays(args, args->ray); }
 
 struct Queries {
   RTCIntersectArguments intersect;
@@ -188,6 +215,10 @@ private:
   void plain();
   void filters();
   void userGeometry();
+  void forwarding();
+#if RTC_VERSION >= 40400
+  void buffersOfDevice();
+#endif
   void masks();
   void instances();
   void edits();
@@ -215,18 +246,8 @@ void Program::shootPackets(RTCScene scene, Queries& queries) {
     valid[i] = i % 3 != 1 ? -1 : 0;
   }
   shadows = packet.ray;
-  if constexpr (N == 4) {
-    rtcIntersect4(valid, scene, &packet, &queries.intersect);
-    rtcOccluded4(valid, scene, &shadows, &queries.occluded);
-  }
-  if constexpr (N == 8) {
-    rtcIntersect8(valid, scene, &packet, &queries.intersect);
-    rtcOccluded8(valid, scene, &shadows, &queries.occluded);
-  }
-  if constexpr (N == 16) {
-    rtcIntersect16(valid, scene, &packet, &queries.intersect);
-    rtcOccluded16(valid, scene, &shadows, &queries.occluded);
-  }
+  scene_queries::intersect(valid, scene, &packet, &queries.intersect);
+  scene_queries::occluded(valid, scene, &shadows, &queries.occluded);
   for (unsigned i = 0; i < N; i++) {
     RTCRayHit one = rays[i];
     one.ray.tfar = packet.ray.tfar[i];
@@ -250,10 +271,10 @@ void Program::shootPackets(RTCScene scene, Queries& queries) {
 void Program::shoot(RTCScene scene, Queries& queries) {
   for (const RTCRayHit& ray : rays) {
     RTCRayHit one = ray;
-    rtcIntersect1(scene, &one, &queries.intersect);
+    scene_queries::intersect(scene, &one, &queries.intersect);
     hits.keep(one);
     RTCRay shadow = ray.ray;
-    rtcOccluded1(scene, &shadow, &queries.occluded);
+    scene_queries::occluded(scene, &shadow, &queries.occluded);
     one = ray;
     if (shadow.tfar < 0) one.hit.geomID = 1000;
     one.hit.primID = 0;
@@ -272,7 +293,7 @@ void Program::plain() {
   CHECK(rtcGetGeometry(scene, 7) == geometry);
   CHECK(rtcGetGeometryThreadSafe(scene, 7) == geometry);
   CHECK(rtcGetGeometryUserData(geometry) == &userData);
-  CHECK(rtcGetGeometryUserDataFromScene(scene, 7) == &userData);
+  CHECK(scene_queries::getUserData(scene, 7) == &userData);
   CHECK(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) != nullptr);
   CHECK(rtcGetGeometryNextHalfEdge(geometry, 3) == 0);
   CHECK(rtcGetGeometryFace(geometry, 5) == 1);
@@ -336,7 +357,7 @@ void Program::userGeometry() {
   RTCPointQuery point = {0.1f, 0.1f, 1, 0, 2};
   RTCPointQueryContext pointContext;
   rtcInitPointQueryContext(&pointContext);
-  rtcPointQuery(
+  scene_queries::pointQuery(
       scene, &point, &pointContext,
       [](RTCPointQueryFunctionArguments* args) {
         ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID);
@@ -352,6 +373,80 @@ void Program::userGeometry() {
   rtcReleaseGeometry(geometry);
   rtcReleaseScene(scene);
 }
+
+/* A user geometry forwards rays to a scene with filters. The functions are the geometry's, then the query's. */
+void Program::forwarding() {
+  const RTCGeometry geometry = newCube(), portal = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserData(geometry, &userData);
+  rtcSetGeometryIntersectFilterFunction(geometry, refuseOdd);
+  rtcSetGeometryOccludedFilterFunction(geometry, refuseOdd);
+  rtcCommitGeometry(geometry);
+  inside = rtcNewScene(device);
+  const RTCScene outer = rtcNewScene(device);
+  for (const RTCScene scene : {inside, outer}) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
+  rtcAttachGeometry(inside, geometry);
+  rtcCommitScene(inside);
+
+  rtcSetGeometryUserPrimitiveCount(portal, 1);
+  rtcSetGeometryUserData(portal, &inside);
+  rtcSetGeometryBoundsFunction(portal, boundInside, nullptr);
+  rtcSetGeometryIntersectFunction(portal, intersectInside);
+  rtcSetGeometryOccludedFunction(portal, occludedInside);
+  rtcCommitGeometry(portal);
+  rtcAttachGeometry(outer, portal);
+  rtcCommitScene(outer);
+  Queries ofGeometry, ofQuery;
+  ofGeometry.intersect.filter = ofGeometry.occluded.filter = refuseLeft;
+  ofGeometry.intersect.flags = ofGeometry.occluded.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+  shoot(outer, ofGeometry);
+  CHECK(ofGeometry.context.numCalls > 0);
+  rtcSetGeometryIntersectFunction(portal, nullptr);
+  rtcSetGeometryOccludedFunction(portal, nullptr);
+  rtcCommitGeometry(portal);
+  rtcCommitScene(outer);
+  ofQuery.intersect.intersect = intersectInside;
+  ofQuery.occluded.occluded = occludedInside;
+  shoot(outer, ofQuery);
+  CHECK(ofQuery.context.numCalls > 0);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseGeometry(portal);
+  rtcReleaseScene(outer);
+  rtcReleaseScene(inside);
+}
+
+#if RTC_VERSION >= 40400
+/* Buffers in the memory of the device, which is that of the host. */
+void Program::buffersOfDevice() {
+  const host::Cube cube;
+  const RTCGeometry geometry = newCube(17); // 1734 quads, which interposer.sh finds in the log
+  void *vertices = nullptr, *ofDevice = nullptr;
+  rtcSetNewGeometryBufferHostDevice(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8, &vertices,
+                                    &ofDevice);
+  CHECK(vertices && ofDevice == vertices);
+  CHECK(rtcGetGeometryBufferDataDevice(geometry, RTC_BUFFER_TYPE_VERTEX, 0) == vertices);
+  std::memcpy(vertices, cube.vertices[1].data(), 8 * 12);
+  unsigned faces[6] = {4, 4, 4, 4, 4, 4}, rejected[6] = {5, 4, 4, 4, 4, 3};
+  rtcSetSharedGeometryBufferHostDevice(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, faces, nullptr, 0, 4, 6);
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
+  rtcSetSharedGeometryBufferHostDevice(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, rejected, rejected, 0, 4, 6);
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT); // a CPU's device has no other memory
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = newScene(geometry);
+  shoot(scene);
+
+  const RTCBuffer buffer = rtcNewBufferHostDevice(device, 8 * 12 + 4);
+  CHECK(rtcGetBufferDataDevice(buffer) == rtcGetBufferData(buffer));
+  std::memcpy(rtcGetBufferData(buffer), cube.vertices[0].data(), 8 * 12);
+  rtcCommitBuffer(buffer);
+  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, 0, 12, 8);
+  rtcReleaseBuffer(buffer);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+#endif
 
 void Program::masks() {
   const RTCGeometry geometry = newCube();
@@ -650,7 +745,7 @@ void Program::threads() {
   rtcReleaseScene(scene);
 }
 
-/* References to a device, also from scenes. Geometry is compressed until the last one is released. */
+/* References to a device, also from rtcGetSceneDevice. Geometry is compressed until the last one is released. */
 void Program::devices() {
   const RTCDevice own = rtcNewDevice("threads=1");
   rtcRetainDevice(own);
@@ -664,29 +759,45 @@ void Program::devices() {
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
   CHECK(rtcGetDeviceError(same) == RTC_ERROR_NONE);
-  rtcReleaseDevice(same);
   shoot(scene);
   rtcReleaseScene(scene);
+  rtcReleaseDevice(same); // after its scenes, as Embree 4.4 requires
 }
 
 void Program::run() {
   const std::pair<const char*, void (Program::*)()> uses[] = {
-      {"plain", &Program::plain},     {"filters", &Program::filters},       {"user geometry", &Program::userGeometry},
-      {"masks", &Program::masks},     {"instances", &Program::instances},   {"edits", &Program::edits},
-      {"motion", &Program::motion},   {"rejections", &Program::rejections}, {"meshes", &Program::meshes},
-      {"threads", &Program::threads}, {"cancelling", &Program::cancelling}, {"devices", &Program::devices}};
+#if RTC_VERSION >= 40400
+      {"device buffers", &Program::buffersOfDevice},
+#endif
+      {"plain", &Program::plain},
+      {"filters", &Program::filters},
+      {"user geometry", &Program::userGeometry},
+      {"forwarding", &Program::forwarding},
+      {"masks", &Program::masks},
+      {"instances", &Program::instances},
+      {"edits", &Program::edits},
+      {"motion", &Program::motion},
+      {"rejections", &Program::rejections},
+      {"meshes", &Program::meshes},
+      {"threads", &Program::threads},
+      {"cancelling", &Program::cancelling},
+      {"devices", &Program::devices}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);
     (this->*use.second)();
-    CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
+    const RTCError error = rtcGetDeviceError(device);
+    if (error != RTC_ERROR_NONE) std::fprintf(stderr, "%s: error %d of Embree\n", use.first, int(error));
+    CHECK(error == RTC_ERROR_NONE);
   }
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 2 && argc != 3) return 2;
+  scene_queries::useTraversables = argc == 3;
+  if (scene_queries::useTraversables && !scene_queries::haveTraversables) return 2;
   Hits hits(argv[1]);
   const RTCDevice device = rtcNewDevice("threads=2");
   Program(device, hits).run();

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries of Embree 4 through instances and instance arrays. Embree calls the query's function for meshes but not
- * for subdivision surfaces. The calls must be the same with the interposer, which replaces these by user geometry. With
- * an argument, runs only a query without a function. Depends only on the parts of host.h for Embree. */
+ * for subdivision surfaces. The calls must be the same with the interposer, which replaces these by user geometry.
+ * Depends only on the parts of host.h for Embree.
+ *
+ *   points [traversables|without-function]     queries traversables instead of scenes, or runs only a query without a
+ *                                              function */
 
 #include "../host.h"
+#include "scene_queries.h"
 
 #include <set>
 #include <string>
@@ -127,7 +131,7 @@ void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigne
   for (unsigned i = 0; i < geomIDs.size(); i++) {
     if (geomIDs[i] != none) expected.insert({arrayID, i, geomIDs[i]});
     RTCPointQuery query = {10 * float(i), 0, 0, 0, 2};
-    rtcPointQuery(scene, &query, &context, keep, &calls);
+    scene_queries::pointQuery(scene, &query, &context, keep, &calls);
     packet.x[i] = query.x;
     packet.y[i] = query.y;
     packet.z[i] = query.z;
@@ -135,7 +139,7 @@ void Test::expect(const char* name, RTCGeometry array, const std::vector<unsigne
     packet.radius[i] = query.radius;
     valid[i] = -1;
   }
-  rtcPointQuery4(valid, scene, &packet, &context, keep, userPtrs);
+  scene_queries::pointQuery(valid, scene, &packet, &context, keep, userPtrs);
   for (const Calls* const found : {&calls, &packetCalls})
     if (found->size() != expected.size() || textOf(*found) != textOf(expected)) {
       std::fprintf(stderr, "%s:%s, expected%s\n", name, textOf(*found).c_str(), textOf(expected).c_str());
@@ -298,7 +302,7 @@ void Test::ownInstances() {
       context.instStackSize = 1;
       RTCPointQuery query = {0, 0, 0, 0, 2};
       Calls calls;
-      rtcPointQuery(inner.first, &query, &context, keep, &calls);
+      scene_queries::pointQuery(inner.first, &query, &context, keep, &calls);
       const Calls expected = {{instID, 0, inner.second}};
       if (textOf(calls) != textOf(expected)) {
         std::fprintf(stderr, "a program's instance:%s, expected%s\n", textOf(calls).c_str(), textOf(expected).c_str());
@@ -311,7 +315,7 @@ void Test::queryWithoutFunction() {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   RTCPointQuery query = {0, 0, 0, 0, 2};
-  rtcPointQuery(surfaceFirst, &query, &context, nullptr, nullptr);
+  scene_queries::pointQuery(surfaceFirst, &query, &context, nullptr, nullptr);
 }
 
 void Test::run() {
@@ -325,9 +329,12 @@ void Test::run() {
 
 } // namespace
 
-int main(int argc, char**) {
+int main(int argc, char** argv) {
+  const std::string mode = argc > 1 ? argv[1] : "";
+  scene_queries::useTraversables = mode == "traversables";
+  if (scene_queries::useTraversables && !scene_queries::haveTraversables) return 2;
   const RTCDevice device = rtcNewDevice("threads=2");
-  if (argc > 1) Test(device).queryWithoutFunction();
+  if (mode == "without-function") Test(device).queryWithoutFunction();
   else Test(device).run();
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcReleaseDevice(device);
