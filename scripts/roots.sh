@@ -2,11 +2,11 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs a command on a clean Debian 12 or 13, in a separate root file system that is independent of this machine's
-# packages.
+# Runs a command on a clean Debian, in a separate root file system that is independent of this machine's packages.
 #
-#   scripts/roots.sh debian12|debian13 [COMPILER] [-- COMMAND [ARGUMENT...]]
+#   scripts/roots.sh debian12|debian13|debian14|unstable [COMPILER] [-- COMMAND [ARGUMENT...]]
 #
+# debian14 is Debian's testing release until Debian 14 is released.
 # COMPILER is gcc (default), clang, or a version that the release provides, such as gcc-13 or clang-19. COMMAND is
 # scripts/demo.sh by default. It runs as root in a clone of the committed state, with CC and CXX set.
 #
@@ -40,7 +40,9 @@ load "$distribution" "$compiler"
 case $distribution in
   debian12) suite=bookworm ;;
   debian13) suite=trixie ;;
-  *) usage_error "unknown distribution \"$distribution\": expected debian12 or debian13" ;;
+  debian14) suite=testing ;;
+  unstable) suite=unstable ;;
+  *) usage_error "unknown distribution \"$distribution\": expected debian12, debian13, debian14 or unstable" ;;
 esac
 case $compiler in
   gcc | gcc-[0-9]*) cxx=g++${compiler#gcc} ;;
@@ -78,6 +80,10 @@ make_root() {
     }
   cp -L /etc/resolv.conf "$base.part/etc/"
   apt-config dump | grep -E '^Acquire::[a-z]+::Proxy' > "$base.part/etc/apt/apt.conf.d/90proxy" || true
+  # A mirror may have an old copy of a release that changes daily.
+  case $suite in
+    testing | unstable) echo 'Acquire::Check-Valid-Until "false";' > "$base.part/etc/apt/apt.conf.d/90old-copy" ;;
+  esac
   mv "$base.part" "$base"
 }
 
