@@ -58,7 +58,9 @@ std::unique_ptr<Substituted> Substituted::make(RTCDevice device, const std::stri
     return nullptr;
   }
   try {
-    return std::unique_ptr<Substituted>(new Substituted(settings, original, type, data, substitute));
+    std::unique_ptr<Substituted> made(new Substituted(settings, original, type, data, substitute));
+    made->input.hasWideNodes = REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
+    return made;
   } catch (...) {
     REAL(rtcReleaseGeometry)(substitute);
     deleteSubstituteData(data);

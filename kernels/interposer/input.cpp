@@ -3,6 +3,8 @@
 
 #include "input.h"
 
+#include "grid_bytes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -163,6 +165,10 @@ void Input::applyGrids(CbvhSurface surface) const {
   grids.grids = packed.data;
   grids.vertices = vertices(steps);
   if (grids.numGrids == 0) throw Unsupported("it has no grids");
+  embree::GridBytes bytes;
+  for (size_t i = 0; i < packed.count; i++)
+    bytes = bytes + embree::bytesOfGrid(packed.data[i].width, packed.data[i].height, numTimeSteps, hasWideNodes);
+  if (!bytes.areBlocksSmaller()) throw Unsupported("its grids are so small that Embree needs less memory for them");
   check(cbvhSetSurfaceGrids(surface, &grids));
 }
 

@@ -38,6 +38,7 @@ struct Input {
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
   RTCDisplacementFunctionN displacement = nullptr;
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
+  bool hasWideNodes = false; // Embree's nodes for grids have eight children
   bool isRefitted = false;   // the application requests RTC_BUILD_QUALITY_REFIT
   bool isIncomplete = false; // memory ran out when a buffer was set
 

@@ -122,25 +122,15 @@ bool discardOutdatedBlocks(CompressibleGeometry* geometry, bool hasInput, const 
 
 /*! Estimates whether blocks need no more memory than Embree's own grids. */
 bool areSmallerAsBlocks(const GridMesh* mesh) {
-  struct Bytes {
-    size_t blocks, embree;
-    Bytes operator+(const Bytes& other) const { return {blocks + other.blocks, embree + other.embree}; }
+  const bool isWide = hasWideNodes(mesh->device);
+  const auto sumOf = [&](const range<size_t>& r) {
+    GridBytes sum;
+    for (size_t i = r.begin(); i != r.end(); i++)
+      sum = sum + bytesOfGrid(mesh->grid(i).resX, mesh->grid(i).resY, mesh->numTimeSteps, isWide);
+    return sum;
   };
-  const Bytes bytes = parallel_reduce(
-      size_t(0), mesh->grids.size(), size_t(1) << 14, Bytes{0, 0},
-      [&](const range<size_t>& r) {
-        Bytes sum = {0, 0};
-        for (size_t i = r.begin(); i != r.end(); i++) {
-          const GridMesh::Grid& grid = mesh->grid(i);
-          if (grid.resX < 2 || grid.resY < 2) continue;
-          const size_t x = grid.resX - 1, y = grid.resY - 1;
-          sum = sum + Bytes{bytesOfGridBlocks(x, y, false) + bytesOfLaterSteps(x, y, mesh->numTimeSteps),
-                            bytesOfGridInEmbree(x, y, mesh->numTimeSteps, mesh->device)};
-        }
-        return sum;
-      },
-      std::plus<Bytes>());
-  return bytes.blocks <= bytes.embree;
+  return parallel_reduce(size_t(0), mesh->grids.size(), size_t(1) << 14, GridBytes(), sumOf, std::plus<GridBytes>())
+      .areBlocksSmaller();
 }
 
 /*! Meshes with fewer primitives stay uncompressed unless storesSmallMeshes is set: Embree's own structures need at

@@ -88,7 +88,7 @@ public:
   bool getNumbers(size_t, cbvh::QuadNumbers&) const { return false; }
 
   static size_t bytesInEmbree(size_t quadsX, size_t quadsY, unsigned numTimeSteps, Device* device) {
-    return bytesOfGridInEmbree(quadsX, quadsY, numTimeSteps, device);
+    return bytesOfGridInEmbree(quadsX, quadsY, numTimeSteps, hasWideNodes(device));
   }
 
 private:

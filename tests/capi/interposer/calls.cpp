@@ -635,37 +635,66 @@ void Program::cancelling() {
   rtcReleaseScene(scene);
 }
 
-/* A sheet of 200 x 200 quads as a grid, quads and triangles, which the interposer compresses on request. */
-void Program::meshes() {
-  const unsigned size = 200, width = size + 1;
-  std::vector<Vec> vertices;
-  for (unsigned y = 0; y < width; y++)
-    for (unsigned x = 0; x < width; x++) {
-      const float s = 2 * float(x) / float(size) - 1, t = 2 * float(y) / float(size) - 1;
-      vertices.push_back({s, t, 0.2f * std::sin(5 * s) * std::cos(4 * t)});
-    }
-  vertices.push_back({0, 0, 0}); // padding after the last vertex, which may be read
-  for (const RTCGeometryType type : {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE}) {
+/* A sheet of 200 x 200 quads. */
+class Sheet {
+public:
+  Sheet() {
+    for (unsigned y = 0; y < width; y++)
+      for (unsigned x = 0; x < width; x++) {
+        const float s = 2 * float(x) / float(size) - 1, t = 2 * float(y) / float(size) - 1;
+        vertices.push_back({s, t, 0.2f * std::sin(5 * s) * std::cos(4 * t)});
+      }
+    vertices.push_back({0, 0, 0}); // padding after the last vertex, which may be read
+  }
+
+  /* Returns a committed geometry of quads, of triangles, or of grids with quadsOfGrid x quadsOfGrid quads. */
+  RTCGeometry newGeometry(RTCDevice device, RTCGeometryType type, RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM,
+                          unsigned quadsOfGrid = size) const {
     const RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12,
                                width * width);
-    if (type == RTC_GEOMETRY_TYPE_GRID)
-      *(RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid),
-                                         1) = {0, width, width, width};
-    else {
-      const bool isQuad = type == RTC_GEOMETRY_TYPE_QUAD;
-      unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
-                                                             isQuad ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
-                                                             isQuad ? 16 : 12, (isQuad ? 1 : 2) * size * size);
-      for (unsigned y = 0; y < size; y++)
-        for (unsigned x = 0; x < size; x++) {
-          const unsigned a = y * width + x, quad[4] = {a, a + 1, a + width + 1, a + width},
-                         triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
-          for (unsigned i = 0; i < (isQuad ? 4u : 6u); i++) *indices++ = isQuad ? quad[i] : triangles[i];
-        }
-    }
+    if (type == RTC_GEOMETRY_TYPE_GRID) setGrids(geometry, quadsOfGrid);
+    else setFaces(geometry, type == RTC_GEOMETRY_TYPE_QUAD);
     rtcSetGeometryMask(geometry, ~0u);
+    rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
+    return geometry;
+  }
+
+private:
+  void setGrids(RTCGeometry geometry, unsigned quads) const {
+    RTCGrid* grids = (RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
+                                                       sizeof(RTCGrid), (size / quads) * (size / quads));
+    for (unsigned y = 0; y < size; y += quads)
+      for (unsigned x = 0; x < size; x += quads)
+        *grids++ = {y * width + x, width, (unsigned short)(quads + 1), (unsigned short)(quads + 1)};
+  }
+
+  void setFaces(RTCGeometry geometry, bool areQuads) const {
+    unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                                                           areQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
+                                                           areQuads ? 16 : 12, (areQuads ? 1 : 2) * size * size);
+    for (unsigned y = 0; y < size; y++)
+      for (unsigned x = 0; x < size; x++) {
+        const unsigned a = y * width + x, quad[4] = {a, a + 1, a + width + 1, a + width},
+                       triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
+        for (unsigned i = 0; i < (areQuads ? 4u : 6u); i++) *indices++ = areQuads ? quad[i] : triangles[i];
+      }
+  }
+
+  static constexpr unsigned size = 200, width = size + 1;
+  std::vector<Vec> vertices;
+};
+
+/* A sheet as a grid, quads and triangles, which the interposer compresses, and then as small grids and as triangles
+ * that the application will refit, which it leaves to Embree. */
+void Program::meshes() {
+  const Sheet sheet;
+  for (const RTCGeometry geometry :
+       {sheet.newGeometry(device, RTC_GEOMETRY_TYPE_GRID), sheet.newGeometry(device, RTC_GEOMETRY_TYPE_QUAD),
+        sheet.newGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE),
+        sheet.newGeometry(device, RTC_GEOMETRY_TYPE_GRID, RTC_BUILD_QUALITY_MEDIUM, 2),
+        sheet.newGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE, RTC_BUILD_QUALITY_REFIT)}) {
     const RTCScene scene = newScene(geometry, 4);
     CHECK(rtcGetGeometry(scene, 4) == geometry);
     shoot(scene);
