@@ -5,7 +5,8 @@
 """Measures Blender's Cycles with Debian's Embree and with ours, and writes the result into README.md.
 
     scripts/measure_blender.py [--repeat N]     requires Debian 12's `blender` and a release build; takes some minutes
-    scripts/measure_blender.py --interposer LIBRARY    for a Blender on Embree 4, as Debian 13's; README.md stays as is
+    scripts/measure_blender.py --interposer LIBRARY    for a Blender on Embree 4, as Debian 13's and later ones;
+                                                       README.md stays as is
 
 Renders scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
 scripts/blender/commit_probe.c reports Embree's memory and times. Memory excludes the geometry buffers that Blender
@@ -40,7 +41,7 @@ def render(preloaded, picture, settings):
     words = ["blender", "-b", "--python-exit-code", "1", "--python", ROOT / "scripts/blender/suzanne.py", "--", picture]
     done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True)
     commits = re.findall(r"commit: ([\d.]+) s, (\d+) bytes, (\d+) of them buffers", done.stderr)
-    took = re.search(r"Time: (\d+):([\d.]+)", done.stdout)
+    took = re.search(r"^rendered: ([\d.]+) s", done.stdout, re.MULTILINE)
     if done.returncode or not commits or not took:
         sys.exit(f"blender failed, or its Cycles does not use Embree:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
     seconds, total_bytes, buffers = commits[-1]
@@ -49,7 +50,7 @@ def render(preloaded, picture, settings):
         "MiB": (int(total_bytes) - int(buffers)) / 2**20 + compressed,
         "buffers": int(buffers) / 2**20,
         "build": float(seconds),
-        "render": 60 * int(took[1]) + float(took[2]),
+        "render": float(took[1]),
     }
 
 
