@@ -24,7 +24,7 @@ const char* nameOf(RTCGeometryType type) {
 }
 
 /* Returns a context of libembree_cbvh, which devices with the same settings share. It is never released. Throws
- * Unsupported. */
+ * std::bad_alloc or Unsupported. */
 CbvhContext contextOf(const std::string& settings) {
   static std::mutex& mutex = *new std::mutex;
   static std::map<std::string, CbvhContext>& contexts = *new std::map<std::string, CbvhContext>;
@@ -32,8 +32,7 @@ CbvhContext contextOf(const std::string& settings) {
   const auto found = contexts.find(settings);
   if (found != contexts.end()) return found->second;
   CbvhContext context = nullptr;
-  if (cbvhNewContext(settings.empty() ? nullptr : settings.c_str(), nullptr, nullptr, &context) != CBVH_OK)
-    throw Unsupported(cbvhGetErrorText());
+  check(cbvhNewContext(settings.empty() ? nullptr : settings.c_str(), nullptr, nullptr, &context));
   contexts[settings] = context;
   return context;
 }
@@ -131,9 +130,6 @@ bool Substituted::build(const Progress& progress) {
 
 void Substituted::buildSurface(const Progress& progress) {
   const CbvhContext context = contextOf(settings);
-  const auto check = [](CbvhError error) {
-    if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText());
-  };
   check(cbvhNewSurface(context, &surface));
   if (options().maxError == 0) check(cbvhSetSurfaceLossless(surface, 1));
   if (options().maxError > 0) {

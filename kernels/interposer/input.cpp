@@ -8,15 +8,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <string>
 
 namespace interposer {
 
-namespace {
-
 void check(CbvhError error) {
+  if (error == CBVH_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText());
 }
+
+namespace {
 
 void displace(const CbvhDisplacementArguments* args) {
   const Input& input = *(const Input*)args->userPtr;

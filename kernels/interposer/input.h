@@ -20,6 +20,9 @@ struct Unsupported : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/* Throws std::bad_alloc or Unsupported if a function of libembree_cbvh failed. */
+void check(CbvhError error);
+
 /* A buffer that the application shares or that Embree owns. stride: in bytes. */
 struct Buffer {
   RTCFormat format;

@@ -61,7 +61,8 @@ else
 fi
 preload=LD_PRELOAD=$interposer
 for program in calls points collisions; do
-  inside "g++ -std=c++17 $flags tests/interposer/$program.cpp -o $program -lembree4" || fail "$program does not compile"
+  inside "g++ -std=c++17 $flags tests/interposer/$program.cpp -o $program -lembree4 -ldl" ||
+    fail "$program does not compile"
 done
 inside "g++ -std=c++17 $flags -I. tests/interposer/functions.cpp -o functions -ldl" &&
   inside "g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ" &&
@@ -102,6 +103,7 @@ for use in $uses; do
   [ "$(grep -c ': 40000 quads' "$work/calls.log")" -eq 3 ] ||
     fail "not all of grids, quads and triangles are compressed"
   grep -q ': 726 quads' "$work/calls.log" || fail "a moving cube is not compressed after a rejected time range"
+  grep -q ': 2166 quads' "$work/calls.log" && fail "a cube of an unknown device is compressed"
   [ -z "$traversables" ] || [ "$(grep -c ': 1734 quads' "$work/calls.log")" -eq 2 ] ||
     fail "a cube with buffers of the device is not compressed"
   inside "LD_PRELOAD=$libraries EMBREE_CBVH=1,verbose ./points $argument > points.log 2>&1" ||

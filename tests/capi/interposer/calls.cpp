@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <dlfcn.h>
 #include <sys/resource.h>
 #include <thread>
 #include <utility>
@@ -229,6 +230,7 @@ private:
   void cancelling();
   void threads();
   void devices();
+  void unknownDevice();
 
   const RTCDevice device;
   Hits& hits;
@@ -793,6 +795,23 @@ void Program::devices() {
   rtcReleaseDevice(same); // after its scenes, as Embree 4.4 requires
 }
 
+/* A device that another function than rtcNewDevice returned, such as one for GPUs. The interposer must leave its
+ * geometry to Embree. */
+void Program::unknownDevice() {
+  void* const embree = dlopen("libembree4.so.4", RTLD_LAZY | RTLD_NOLOAD);
+  const auto newDevice = (decltype(&rtcNewDevice))dlsym(embree, "rtcNewDevice"); // not the interposer's
+  const RTCDevice unknown = newDevice("threads=1");
+  const RTCGeometry geometry = host::Cube().newInHost(unknown, 19); // 2166 quads, for which interposer.sh looks
+  const RTCScene scene = rtcNewScene(unknown);
+  rtcAttachGeometryByID(scene, geometry, 2);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+  rtcReleaseScene(scene);
+  rtcReleaseDevice(unknown);
+  dlclose(embree);
+}
+
 void Program::run() {
   const std::pair<const char*, void (Program::*)()> uses[] = {
 #if RTC_VERSION >= 40400
@@ -810,7 +829,8 @@ void Program::run() {
       {"meshes", &Program::meshes},
       {"threads", &Program::threads},
       {"cancelling", &Program::cancelling},
-      {"devices", &Program::devices}};
+      {"devices", &Program::devices},
+      {"unknown device", &Program::unknownDevice}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);
