@@ -28,7 +28,7 @@ ROOMS = {
     "public headers": {"include": "of libembree3, its Vulkan part, and libembree_cbvh"},
     "other libraries": {
         "kernels/capi": "functions of cbvh.h, of both libraries",
-        "kernels/interposer": "subdivision geometry of Embree 4 programs",
+        "kernels/interposer": "geometry of Embree 4 programs",
         "kernels/vulkan": "libembree3_vulkan.so and shaders",
     },
     "calls": {
