@@ -7,10 +7,10 @@
 #
 #   interposer.sh BUILD-DIRECTORY [DIRECTORY-FOR-THE-ROOT [RELEASE]]
 #
-# With a folder for the root file system, the script has the requirements of debian13.sh, and takes two and a half
-# minutes, or one if the root file system already exists. RELEASE is trixie (default, Embree 4.3), testing or unstable
-# (Embree 4.4). Without the folder, the script tests the interposer of the build on this machine. It then exits with 77
-# if the programs are missing, and leaves OSPRay out if libospray-dev is missing.
+# With a folder for the root file system, the script has the requirements of debian13.sh, and takes four minutes, or two
+# if the root file system already exists. RELEASE is trixie (default, Embree 4.3), testing or unstable (Embree 4.4).
+# Without the folder, the script tests the interposer of the build on this machine. It then exits with 77 if the
+# programs are missing, and leaves OSPRay out if libospray-dev is missing.
 set -eu
 build=$(cd "$1" && pwd) roots=${2:-} release=${3:-trixie}
 here=$(cd -- "$(dirname -- "$0")" && pwd)
