@@ -46,14 +46,19 @@ static bool parseSwitch(const std::string& text, bool& value) {
   return text == "0" || text == "1";
 }
 
-/* True for names of representations, and their settings, that only libembree3 of this project supports. */
-static bool isOtherRepresentation(const std::string& item) {
-  static const std::set<std::string> names = {"grid", "voxel", "leaf", "tile"};
+/* True for one of the names of representations, with the prefix "c" or "cbvh." or without. */
+static bool isAnyOf(const std::set<std::string>& names, const std::string& item) {
   const std::string name = embree::lowerCase(item);
   for (const char* prefix : {"cbvh.", "c", ""}) {
     const size_t length = std::strlen(prefix);
     if (name.compare(0, length, prefix) == 0 && names.count(name.substr(length)) != 0) return true;
   }
+  return false;
+}
+
+/* True for names of representations, and their settings, that only libembree3 of this project supports. */
+static bool isOtherRepresentation(const std::string& item) {
+  if (isAnyOf({"grid", "voxel", "leaf"}, item)) return true;
   const std::string key = item.substr(0, item.find('='));
   return key != item && (key == "frame_level" || key == "level" || key == "fallback_faces" || key == "exact_faces");
 }
@@ -69,15 +74,15 @@ static bool parse(const std::string& item, Options& options) {
       options.isOn = false;
       return true;
     }
-    const std::string name = embree::lowerCase(item);
-    if (name != "1" && name != "vert" && name != "cvert" && name != "cbvh.vert") return false;
-    return options.isOn = true;
+    if (item != "1" && !isAnyOf({"vert", "tile"}, item)) return false;
+    return options.isOn = true; // libembree_cbvh reads which of them
   }
   const std::string key = item.substr(0, equals), value = item.substr(equals + 1);
   if (key == "max_error") return parseDistance(value, options.maxError);
   if (key == "grids") return parseSwitch(value, options.compressesGrids);
   if (key == "quads") return parseSwitch(value, options.compressesQuads);
   if (key == "triangles") return parseSwitch(value, options.compressesTriangles);
+  if (key == "memory") return !value.empty(); // libembree_cbvh reads it
   return key == "release_input" && (value == "0" || value == "1");
 }
 
@@ -89,17 +94,17 @@ const Options& options() {
       if (parse(item, read)) continue;
       if (isOtherRepresentation(item)) {
         if (item.find('=') == std::string::npos) read.isOn = true; // a representation
-        warnOnce("EMBREE_CBVH: \"%s\" is not supported: compressed geometry is stored as cVERT", item.c_str());
+        warnOnce("EMBREE_CBVH: \"%s\" is not supported: compressed geometry is stored as cTILE or cVERT", item.c_str());
         continue;
       }
       isInvalid = true; // libembree3 of this project rejects the item, too
-      const std::vector<std::string> suggestions = {"max_error",     "grids",   "quads", "triangles",
-                                                    "release_input", "verbose", "vert"};
+      const std::vector<std::string> suggestions = {"max_error",     "grids",   "quads", "triangles", "memory",
+                                                    "release_input", "verbose", "tile",  "vert"};
       const std::string key = item.substr(0, item.find('=')), nearest = embree::nearestName(key, suggestions);
       const std::string error = nearest == key ? "is not valid." : "is not known, did you mean " + nearest + "?";
       warnOnce("EMBREE_CBVH: \"%s\" %s Nothing is compressed. Accepted are "
-               "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, verbose=<number>, "
-               "vert, 1, none and 0",
+               "max_error=<distance>, memory=<bytes>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, "
+               "verbose=<number>, tile, vert, 1, none and 0",
                item.c_str(), error.c_str());
     }
     read.isOn &= !isInvalid;
