@@ -201,7 +201,8 @@ TEST(MemoryBudget, Values) {
   for (const char* value : {"1", "512M", "512m", "1.5G", "2K", "123456789"}) {
     Device device("subdiv_accel=cbvh,cbvh_memory=" + std::string(value));
     EXPECT_TRUE(device) << value;
-    const Environment set(std::string("1,memory=") + value);
+    const std::string items = std::string("1,memory=") + value;
+    const Environment set(items.c_str());
     Device other;
     EXPECT_TRUE(other) << value;
   }
