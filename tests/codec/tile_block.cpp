@@ -65,12 +65,13 @@ TEST(TileBlock, HasTheVerticesOfItsBlockAndBoxesAroundLeaves) {
   auto block = std::make_unique<BlockBytes>(), again = std::make_unique<BlockBytes>();
   auto tile = std::make_unique<TileBytes>();
   std::map<uint32_t, int> widths;
+  std::map<int, int> scales;
   size_t without = 0;
-  for (int i = 0; i < 3000; i++) {
+  for (int i = 0; i < 5000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
-    const double sizes[] = {2, 20, 200, 700}, roughness[] = {0, 1, 10, 100, 2000};
+    const double sizes[] = {2, 20, 200, 700, 3000, 7000, 13000}, roughness[] = {0, 1, 10, 100, 2000};
     encoder->setSize(packRegion(quadsX, quadsY, 0, 0));
-    fill(*encoder, random, quadsX, quadsY, sizes[random.below(4)], roughness[random.below(5)],
+    fill(*encoder, random, quadsX, quadsY, sizes[random.below(7)], roughness[random.below(5)],
          std::ldexp(1.0, int(random.below(60)) - 30));
     const bool isBad = i % 17 == 0;
     if (isBad) encoder->vertices[random.below(encoder->numVertices())][i % 3] = i % 2 ? NAN : INFINITY;
@@ -99,6 +100,7 @@ TEST(TileBlock, HasTheVerticesOfItsBlockAndBoxesAroundLeaves) {
     ASSERT_EQ(edgesOf(header).low, edgesOf(block->header()).low);
     ASSERT_EQ(edgesOf(header).high, edgesOf(block->header()).high);
     widths[tileVertexBytes(header)]++;
+    scales[tileScale(header)]++;
     const auto expected = std::make_unique<DecodedBlock>(block->header()),
                decoded = std::make_unique<DecodedBlock>(header);
     for (uint32_t v = 0; v < encoder->numVertices(); v++)
@@ -132,6 +134,7 @@ TEST(TileBlock, HasTheVerticesOfItsBlockAndBoxesAroundLeaves) {
     ASSERT_EQ(std::memcmp(again->bytes, block->bytes, block->used), 0) << "sheet " << i;
   }
   for (uint32_t width : {2u, 3u, 4u, 5u, tileFloatBytes}) EXPECT_GT(widths[width], 50) << width;
+  for (int scale : {1, 2, 4, 8}) EXPECT_GT(scales[scale], 20) << scale;
   EXPECT_GT(without, 300u);
 }
 
@@ -186,6 +189,7 @@ TEST(TileBlock, ConstantsMatchThePage) {
                               {"quads of a tile, at least", minTileQuads},
                               {"bytes of a packed vertex, at most", maxTileVertexBytes},
                               {"bytes of a vertex as floats", tileFloatBytes},
+                              {"bits of a coordinate", tileExtentBits},
                               {"leaves per part of the boxes", leavesPerPart}});
 }
 

@@ -115,7 +115,9 @@ TEST(MemoryBudget, AnErrorNamesTheLeastLimit) {
 // Whatever is edited, the limit holds, and what fits again becomes tiles again.
 TEST(MemoryBudget, Edits) {
   const Extremes extremes;
-  const size_t limit = (2 * extremes.tiles + extremes.blocks) / 3;
+  Bodies largest("subdiv_accel=cbvh.vert");
+  for (size_t i : {0, 3}) largest.set(i, 60.0f);
+  const size_t limit = largest.commit() * 6 / 5;
   Bodies bodies(limitOf(limit)), blocks("subdiv_accel=cbvh.vert");
   const size_t first = bodies.commit();
   for (float rate : {40.0f, 60.0f, 16.0f}) {

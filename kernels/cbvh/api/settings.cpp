@@ -115,9 +115,9 @@ void CompressionSettings::setMemory(const std::string& name, const std::string& 
   double number = -1;
   std::string unit;
   if (stream >> number) stream >> unit;
-  const size_t power = unit.empty() ? 0 : lowerCase("kmg").find(lowerCase(unit)) + 1;
-  const double bytes = std::ldexp(number, int(10 * power));
-  if (unit.size() > 1 || power > 3 || !(bytes >= 1) || bytes > 0x1p62)
+  const size_t power = unit.empty() ? 0 : std::string(" kmg").find(lowerCase(unit));
+  const double bytes = power < 4 ? std::ldexp(number, int(10 * power)) : 0;
+  if (!(bytes >= 1) || bytes > 0x1p62)
     throwInvalid(name, value, "expected bytes, or a number with K, M or G, for example 512M");
   memory = std::make_shared<cbvh::MemoryBudget>(size_t(bytes));
 }

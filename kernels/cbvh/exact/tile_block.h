@@ -116,6 +116,7 @@ public:
     store16(tileSlopeXOffset, slopeX);
     store16(tileSlopeYOffset, slopeY);
     store16(tileBaseOffset, base);
+    vfloat4::store(base, vfloat4::load(base) * vfloat4(float(tileScale(tile))));
     vfloat4::store(spacing, spacingsOfTile(tile));
     const uint32_t bits = tile->word;
     shift[0] = 0;

@@ -21,7 +21,7 @@ public:
   __forceinline LeafBoxes(const VertRay& ray, const VertHeader* tile, float tnear, float tfar)
     : vectors(int(tileParts(tile->region) * leavesPerPart) / vectorWidth) {
     const uint8_t* const header = (const uint8_t*)tile;
-    const vfloat4 spacing = withoutFourth(spacingsOfTile(tile));
+    const vfloat4 spacing = withoutFourth(spacingsOfTile(tile)) * vfloat4(float(tileScale(tile))); // of steps
     const vfloat4 unit = vfloat4(vint4(extend8(loadFour(header + tileBoxStepOffset)))) * spacing;
     const vfloat4 rcp = vfloat4::load(ray.rcp),
                   distance = withoutFourth(vfloat4::loadu(tile->origin)) - vfloat4::load(ray.org);

@@ -72,9 +72,9 @@ public:
 
   bool hasRemainders() const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-  /*! Sets spacings to the steps, or to the least spacings that coordinates allow if these are larger. Requires finite
-   *  vertices. Returns false if the block must be raw. */
-  bool chooseSpacings() {
+  /*! Sets spacings to the steps, or to the least spacings that coordinates of some bits allow if these are larger.
+   *  Requires finite vertices. Returns false if the block must be raw. */
+  bool chooseSpacings(int bits = extentBits) {
     for (uint32_t i = numVertices(); i % 4 != 0; i++) memcpy(vertices[i], vertices[0], sizeof(vertices[0]));
     int size = minSpacingExponent; // 2^size exceeds all extents
     for (int k = 0; k < 3; k++) {
@@ -83,7 +83,7 @@ public:
     }
     findSteps();
     // min, because the step is large without reason on an axis where all vertices are 0
-    for (int k = 0; k < 3; k++) exponent[k] = std::max(leastExponent(k), std::min(step[k], size - 1));
+    for (int k = 0; k < 3; k++) exponent[k] = std::max(leastExponent(k, bits), std::min(step[k], size - 1));
     return setRemainders();
   }
 
@@ -160,6 +160,9 @@ public:
   }
 
 private:
+  static const int extentBits = 14;
+  static_assert(maxExtent == 1 << extentBits, "coordinates of blocks");
+
   /*! On an axis stored as floats, coordinates serve only boxes. They are at most 2^(unitsOfFloats+1), so that they
    *  need few bits. */
   static const int unitsOfFloats = 6;
@@ -230,18 +233,18 @@ private:
     if (step[k] < minSpacingExponent) step[k] = minSpacingExponent - 2 * int(maxRemainderBits);
   }
 
-  /*! Exponent of the smallest spacing with coordinates of at most 14 bits, and with planes of boxes that are exact in
-   *  float, up to maxExtent spacings outside the vertices. */
-  int leastExponent(int k) const {
+  /*! Exponent of the smallest spacing with coordinates below 2^bits, and with planes of boxes that are exact in float,
+   *  up to 2^bits spacings outside the vertices. */
+  int leastExponent(int k, int bits) const {
+    const int extent = 1 << bits;
     const double largest = std::max(std::fabs(double(lower[k])), std::fabs(double(upper[k])));
     const double span = double(upper[k]) - double(lower[k]);
     int e = minSpacingExponent;
     if (largest > 0) e = std::max(e, std::ilogb(largest) - 23);
-    if (span > 0) e = std::max(e, std::ilogb(span) - 13);
+    if (span > 0) e = std::max(e, std::ilogb(span) - (bits - 1));
     for (;; e++) {
       const double unit = std::ldexp(1.0, -e);
-      if (largest * unit <= double((1 << 24) - 2 * maxExtent) &&
-          upper[k] * unit - std::floor(lower[k] * unit) < maxExtent)
+      if (largest * unit <= double((1 << 24) - 2 * extent) && upper[k] * unit - std::floor(lower[k] * unit) < extent)
         return e;
     }
   }

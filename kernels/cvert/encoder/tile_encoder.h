@@ -24,9 +24,12 @@ public:
     region = placement.region;
     width = tileRowVertices(region);
     height = tileRows(region);
-    const bool isOnLattice = vertices.allFinite && vertices.chooseSpacings() && !vertices.hasRemainders();
+    const bool isOnLattice =
+        vertices.allFinite && vertices.chooseSpacings(int(tileExtentBits)) && !vertices.hasRemainders();
+    scaleBits = 0;
     if (isOnLattice) {
       vertices.computeCoordinates();
+      while (largestCoordinate(vertices) >> (15 + scaleBits)) scaleBits++;
       for (int k = 0; k < 3; k++) {
         spacing[k] = uint32_t(vertices.exponent[k] + 127);
         fit(vertices, k);
@@ -35,6 +38,7 @@ public:
     const uint32_t bitsOfAll = residualBits[0] + residualBits[1] + residualBits[2];
     bytesPerVertex =
         isOnLattice && bitsOfAll <= 8 * maxTileVertexBytes ? std::max((bitsOfAll + 7) / 8, 2u) : tileFloatBytes;
+    if (bytesPerVertex == tileFloatBytes) scaleBits = 0;
     for (int k = 0; k < 3; k++)
       if (!(bytesPerVertex == tileFloatBytes ? setFloatBoxes(vertices, k) : setBoxes(vertices, k))) return 0;
     writeHeader(placement, tile);
@@ -64,6 +68,15 @@ private:
     return sum / squares;
   }
 
+  static int largestCoordinate(const BlockVertices& vertices) {
+    int largest = 0;
+    for (int k = 0; k < 3; k++) largest = std::max(largest, largestCoordinate(vertices, k));
+    return largest;
+  }
+  static int largestCoordinate(const BlockVertices& vertices, int k) {
+    return *std::max_element(vertices.coordinates[k], vertices.coordinates[k] + vertices.numVertices());
+  }
+
   /*! Sets slopes, base and residualBits of an axis. */
   void fit(const BlockVertices& vertices, int k) {
     auto coordinate = [&](uint32_t i) { return double(vertices.coordinates[k][i]); };
@@ -79,9 +92,9 @@ private:
           least = std::min(least, residual);
           most = std::max(most, residual);
         }
-      base[k] = least;
+      base[k] = least >> scaleBits;
       residualBits[k] = 0;
-      while ((most - least) >> residualBits[k]) residualBits[k]++;
+      while ((most - base[k] * (1 << scaleBits)) >> residualBits[k]) residualBits[k]++;
       if (isInt16(base[k]) && isInt16(slope[0][k]) && isInt16(slope[1][k])) return;
       slope[0][k] = slope[1][k] = 0;
     }
@@ -94,10 +107,9 @@ private:
   /*! Sets origin, boxStep and planes of an axis. Returns false if the spacing does not fit. */
   bool setBoxes(const BlockVertices& vertices, int k) {
     origin[k] = vertices.origin[k];
-    int most = 0;
-    for (uint32_t i = 0; i < vertices.numVertices(); i++) most = std::max(most, vertices.coordinates[k][i]);
-    boxStep[k] = std::max((uint32_t(most) + maxBoxByte - 1) / maxBoxByte, 1u);
-    const int step = int(boxStep[k]);
+    const uint32_t leastStep = maxBoxByte << scaleBits;
+    boxStep[k] = std::max((uint32_t(largestCoordinate(vertices, k)) + leastStep - 1) / leastStep, 1u);
+    const int step = int(boxStep[k] << scaleBits);
     setPlanes(vertices, k, [&](uint32_t i, int& below, int& above) {
       below = vertices.coordinates[k][i] / step;
       above = (vertices.coordinates[k][i] + step - 1) / step;
@@ -153,7 +165,7 @@ private:
     header.region = placement.region;
     header.patchQuads = placement.patchQuads;
     header.info = info;
-    header.bounds = order() | bytesPerVertex << 16;
+    header.bounds = order() | bytesPerVertex << 16 | scaleBits << 20;
     memcpy(header.origin, origin, sizeof(origin));
     if (placement.hasEdges) memcpy(&header + 1, &placement.edges, sizeof(placement.edges));
     if (placement.hasPrimIDs) memcpy(&header + 1, &placement.numbers, sizeof(placement.numbers));
@@ -194,8 +206,8 @@ private:
       for (uint32_t x = 0; x < width; x++, i++) {
         uint64_t packed = 0;
         for (int k = 2; k >= 0; k--)
-          packed = packed << residualBits[k] |
-                   uint32_t(vertices.coordinates[k][vertexOf(vertices, x, y)] - predicted(k, x, y) - base[k]);
+          packed = packed << residualBits[k] | uint32_t(vertices.coordinates[k][vertexOf(vertices, x, y)] -
+                                                        predicted(k, x, y) - base[k] * (1 << scaleBits));
         memcpy(out + stride * i, &packed, stride);
         if (bytesPerVertex == 5) high[i] = uint8_t(packed >> 32);
       }
@@ -219,7 +231,7 @@ private:
   }
 
   uint32_t region, width, height; //!< width, height: of the stored vertices
-  uint32_t bytesPerVertex;
+  uint32_t bytesPerVertex, scaleBits;
   float origin[3];
   int slope[2][3], base[3]; //!< slope: [along][axis]
   double gradient[2][3];    //!< the slopes in world units

@@ -11,14 +11,14 @@
  * The header is a VertHeader, whose members bounds, corners and word store the fields below. On each axis, vertex (x,y)
  * of the tile is
  *
- *   origin + (base + x slopeX + y slopeY + residual) * spacing,
+ *   origin + (base * scale + x slopeX + y slopeY + residual) * spacing,
  *
- * where the sum in parentheses, the coordinate, is an integer from 0 to 16383. The residuals of a vertex are packed
- * into 2, 3, 4 or 5 bytes. If the block is raw or has remainders, or if residuals need more bits, the tile stores
- * floats.
+ * where the sum in parentheses, the coordinate, is an integer below maxTileExtent. Blocks have at most maxExtent
+ * coordinates, and remainders if the vertices' lattice is finer; tiles have none. The residuals of a vertex are packed
+ * into 2, 3, 4 or 5 bytes. If the lattice is still finer, or if residuals need more bits, the tile stores floats.
  *
- * A leaf is 4 x 2 quads. Its box has six bytes: planes are origin + byte * boxStep * spacing. Rows and columns of
- * vertices are repeated up to whole leaves; quads between them have no area and are never hit. */
+ * A leaf is 4 x 2 quads. Its box has six bytes: planes are origin + byte * boxStep * scale * spacing. Rows and columns
+ * of vertices are repeated up to whole leaves; quads between them have no area and are never hit. */
 
 #ifndef CVERT_FORMAT_TILE_H
 #define CVERT_FORMAT_TILE_H
@@ -36,6 +36,8 @@ CVERT_CONSTANT uint32_t minTileQuads = 64u;                 //!< blocks of fewer
 CVERT_CONSTANT uint32_t maxTileVertexBytes = 5u;            //!< of packed residuals
 CVERT_CONSTANT uint32_t tileFloatBytes = 12u;               //!< bytes per vertex of a tile with floats
 CVERT_CONSTANT uint32_t maxBoxByte = 255u;
+CVERT_CONSTANT uint32_t tileExtentBits = 18u;
+CVERT_CONSTANT int maxTileExtent = 1 << 18;
 
 /*! Bits of VertHeader::info in a tile. Other bits: 29, 30 as in a block. */
 CVERT_CONSTANT uint32_t tileInfo = rawInfo | (1u << 14);
@@ -45,7 +47,8 @@ CVERT_FUNCTION bool isTile(uint32_t info) { return (info & tileInfo) == tileInfo
 
 /* Fields, by byte offset in the header:
  *
- *   12   bits 0..15: order of leaves, see leafFlip. Bits 16..19: bytes per vertex, 2 to 5, or 12
+ *   12   bits 0..15: order of leaves, see leafFlip. Bits 16..19: bytes per vertex, 2 to 5, or 12. Bits 20, 21: binary
+ *        logarithm of scale
  *   32   slopeX on x, y, z, 16 bits each, signed
  *   38   slopeY
  *   44   base
@@ -64,6 +67,10 @@ CVERT_FUNCTION uint32_t tileVertexBytes(CVERT_POINTER(VertHeader) tile) {
   return (CVERT_AT(VertHeader, tile).bounds >> 16) & 15u;
 }
 
+CVERT_FUNCTION int tileScale(CVERT_POINTER(VertHeader) tile) {
+  return 1 << ((CVERT_AT(VertHeader, tile).bounds >> 20) & 3u);
+}
+
 CVERT_FUNCTION int tileInt16(CVERT_POINTER(VertHeader) tile, uint32_t offset, int axis) {
   return int(uint16At(CVERT_AS(void, tile), offset + 2u * uint32_t(axis)) << 16) >> 16;
 }
@@ -73,7 +80,8 @@ CVERT_FUNCTION float tileSpacing(CVERT_POINTER(VertHeader) tile, int axis) {
 
 /*! Distance between neighboring planes of boxes. */
 CVERT_FUNCTION float tileBoxUnit(CVERT_POINTER(VertHeader) tile, int axis) {
-  return float(byteAt(CVERT_AS(void, tile), tileBoxStepOffset + uint32_t(axis))) * tileSpacing(tile, axis);
+  uint32_t steps = byteAt(CVERT_AS(void, tile), tileBoxStepOffset + uint32_t(axis)) * uint32_t(tileScale(tile));
+  return float(steps) * tileSpacing(tile, axis);
 }
 
 CVERT_FUNCTION uint32_t tileBits(CVERT_POINTER(VertHeader) tile, int axis) {
@@ -145,7 +153,7 @@ CVERT_FUNCTION int tileCoordinate(CVERT_POINTER(VertHeader) tile, uint32_t x, ui
     uint32_t high = byteAt(data, vertices + 4u * row * tileRows(region) + index);
     residual |= shift == 32u ? high : high << (32u - shift);
   }
-  return tileInt16(tile, tileBaseOffset, axis) + int(x) * tileInt16(tile, tileSlopeXOffset, axis) +
+  return tileInt16(tile, tileBaseOffset, axis) * tileScale(tile) + int(x) * tileInt16(tile, tileSlopeXOffset, axis) +
          int(y) * tileInt16(tile, tileSlopeYOffset, axis) + int(residual & ((1u << bits) - 1u));
 }
 
