@@ -78,7 +78,7 @@ class Report(unittest.TestCase):
         self.assertIn("cbvh_bench --scene cube --level 2,6", found["Commands"])
         for block in re.findall(r"(?:^\|.*\n)+", (folder / "report.md").read_text(), re.M):
             self.assertEqual(len({line.count("|") for line in block.splitlines()}), 1, block)
-        table = pandas.read_csv(folder / "records.csv")
+        table = pandas.read_csv(folder / "records.csv", float_precision="round_trip")
         every = [speed for group in self.record()["groups"] for result in group["results"] for speed in result["speed"]]
         self.assertEqual((table.what == "speed").sum(), len(every))
         row = table[(table.representation == "cLEAF^2") & (table.level == 6) & (table["view"] == "full")]

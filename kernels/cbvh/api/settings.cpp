@@ -7,6 +7,7 @@
 #include "../operations/device_string.h"
 #include "../operations/lower_case.h"
 #include "factory.h"
+#include "../settings/memory_budget.h"
 #include "../settings/settings.h"
 #include "../base/environment.h"
 #include "../base/kinds.h"

@@ -6,13 +6,16 @@
 /* Compression settings of a device or a geometry. A geometry inherits unset members from the device string, then from
  * the environment, then from the defaults. */
 
-#include "memory_budget.h"
 #include "../../../include/embree3/rtcore_compression.h"
+#include <memory>
 #include <string>
 
 namespace embree {
 class Token;
 class TokenStream;
+namespace cbvh {
+class MemoryBudget;
+}
 
 struct CompressionSettings {
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
