@@ -101,7 +101,9 @@ private:
     if (inputIndex.count(scene)) return;
     InputScene input;
     input.scene = scene;
-    input.flat.reset(rtcFlattenScene(scene, flatSceneVersion), rtcReleaseFlatScene);
+    // a call, because an address would be resolved also in programs that run with Embree's own library
+    input.flat.reset(rtcFlattenScene(scene, flatSceneVersion),
+                     [](const FlatScene* flat) { rtcReleaseFlatScene(flat); });
     if (!input.flat) {
       /* rtcFlattenScene reported the error to the scene's RTCDevice. RTC_ERROR_NONE: do not report it again. */
       const bool isReported = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
