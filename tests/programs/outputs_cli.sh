@@ -48,7 +48,7 @@ import json, sys
 text = open(sys.argv[1]).read()
 json.JSONDecoder().raw_decode(text, text.index("{\n"))
 PYTHON
-grep -q "cube_cvert.png" "$folder/both" || complain "the JSON replaced the table: $(cat "$folder/both")"
+grep -q "cube_ctile.png" "$folder/both" || complain "the JSON replaced the table: $(cat "$folder/both")"
 run --scene cube --json >(cat > "$folder/substituted") --export >(cat > "$folder/exported") > /dev/null
 wait
 sleep 1
