@@ -103,7 +103,7 @@ void CbvhGroupTy::commit() {
  * statisticsOf() throws until this group is committed again. */
 void CbvhGroupTy::updateStatistics() {
   const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);
-  statistics.bytes = all.topLevelBytes + all.headerBytes + all.nodeBytes + all.leafBytes + all.uncompressedBytes;
+  statistics.bytes = all.allBytes();
   statistics.numQuads = all.numQuads + all.numUncompressedQuads;
   statistics.numMovingQuads = all.numMovingQuads;
   statistics.numInvalidQuads = all.numInvalidQuads;

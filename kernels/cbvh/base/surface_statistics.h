@@ -43,6 +43,9 @@ struct CompressionStatistics {
   float maxVertexDeviation = 0;   //!< cVERT, borders of cLEAF: largest distance from the evaluated vertex
   /*! cVERT, cLEAF: largest distance between two faces' evaluations of a vertex. */
   float maxBorderMismatch = 0;
+
+  /*! Blocks, grids and the tree above them. */
+  size_t allBytes() const { return topLevelBytes + headerBytes + nodeBytes + leafBytes + uncompressedBytes; }
 };
 
 /*! Calls sum(a.x,b.x) for each summed member x and largest(a.x,b.x) for each maximum. */

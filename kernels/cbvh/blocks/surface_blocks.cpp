@@ -214,11 +214,8 @@ SurfaceBlocks::SurfaceBlocks(Device* device, const std::shared_ptr<const cbvh::S
 
 SurfaceBlocks::~SurfaceBlocks() { delete blockIndex.load(); }
 
-size_t SurfaceBlocks::bytes() const { return mapped && !unconverted ? statistics.sums.topLevelBytes : bytesOfAll(); }
-
-size_t SurfaceBlocks::bytesOfAll() const {
-  const cbvh::CompressionStatistics& sums = statistics.sums;
-  return sums.topLevelBytes + sums.headerBytes + sums.nodeBytes + sums.leafBytes + sums.uncompressedBytes;
+size_t SurfaceBlocks::bytes() const {
+  return mapped && !unconverted ? statistics.sums.topLevelBytes : statistics.sums.allBytes();
 }
 
 void SurfaceBlocks::finish() {

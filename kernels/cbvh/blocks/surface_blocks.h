@@ -49,7 +49,6 @@ struct SurfaceBlocks {
 
   /*! Bytes of blocks and tree in memory: without blocks that are mapped. */
   size_t bytes() const;
-  size_t bytesOfAll() const; //!< with mapped ones
 
   /*! Must be called once built: releases unused memory, and counts the rest against the device's budget. */
   void finish();

@@ -180,7 +180,7 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
     BVH4::NodeRef(ref).leaf(type);
     to->types |= 1u << type;
   }
-  to->otherFormBytes = from->bytesOfAll();
+  to->otherFormBytes = from->statistics.sums.allBytes();
   to->finish();
   invalidateThreadCaches(); // other blocks may have had these addresses
   return to;
@@ -199,7 +199,8 @@ size_t bytesInOtherForm(Device* device, const SurfaceBlocks& surface) {
   const std::unique_ptr<LeafConverter> converter(new LeafConverter(device, memory, form, true)); // large
   for (size_t& ref : sample) converter->convert(ref);
   const double added = double(converter->addedBytes()) / double(max(sample.size(), size_t(1)));
-  const double bytes = added != 0 ? double(surface.bytesOfAll()) + added * double(leaves.size()) : surface.bytes();
+  const double bytes =
+      added != 0 ? double(surface.statistics.sums.allBytes()) + added * double(leaves.size()) : surface.bytes();
   return surface.otherFormBytes = size_t(max(1.0, bytes));
 }
 } // namespace embree::cbvh

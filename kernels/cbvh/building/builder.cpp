@@ -352,7 +352,7 @@ private:
     line.addCompressed(surface.geometry, surface.geomID, hasTiles ? cbvh::Kind::CTILE : surface.plan.kind(),
                        blocks.statistics);
     if (cbvh::isConvertible(blocks))
-      line.addOtherForm(hasTiles, blocks.bytesOfAll(), cbvh::bytesInOtherForm(scene->device, blocks));
+      line.addOtherForm(hasTiles, blocks.statistics.sums.allBytes(), cbvh::bytesInOtherForm(scene->device, blocks));
   }
 
   void reportCommit(const std::vector<Surface>& surfaces) const {

@@ -63,8 +63,7 @@ public:
     const cbvh::CompressionStatistics& sums = all.sums;
     std::ostringstream line;
     line.imbue(std::locale::classic());
-    const size_t bytes =
-        treeBytes + sums.topLevelBytes + sums.headerBytes + sums.nodeBytes + sums.leafBytes + sums.uncompressedBytes;
+    const size_t bytes = treeBytes + sums.allBytes();
     line << "compression: " << geometries() << ": " << sums.numQuads + sums.numUncompressedQuads << " quads in "
          << mebibytes(bytes) << " MiB, Embree would use about " << mebibytes(all.bytesInEmbree) << " MiB";
     if (tiles) line << ", as cVERT about " << mebibytes(bytes - tiles + tilesAsBlocks) << " MiB";

@@ -13,9 +13,10 @@
  *
  *   origin + (base * scale + x slopeX + y slopeY + residual) * spacing,
  *
- * where the sum in parentheses, the coordinate, is an integer below maxTileExtent. Blocks have at most maxExtent
- * coordinates, and remainders if the vertices' lattice is finer; tiles have none. The residuals of a vertex are packed
- * into 2, 3, 4 or 5 bytes. If the lattice is still finer, or if residuals need more bits, the tile stores floats.
+ * where the sum in parentheses, the coordinate, is an integer of tileExtentBits. Those of blocks are below
+ * maxExtent, and have remainders if the vertices' lattice is finer; tiles have none. The residuals of a vertex are
+ * packed into 2, 3, 4 or 5 bytes. If the lattice is still finer, or if residuals need more bits, the tile stores
+ * floats.
  *
  * A leaf is 4 x 2 quads. Its box has six bytes: planes are origin + byte * boxStep * scale * spacing. Rows and columns
  * of vertices are repeated up to whole leaves; quads between them have no area and are never hit. */
@@ -37,7 +38,6 @@ CVERT_CONSTANT uint32_t maxTileVertexBytes = 5u;            //!< of packed resid
 CVERT_CONSTANT uint32_t tileFloatBytes = 12u;               //!< bytes per vertex of a tile with floats
 CVERT_CONSTANT uint32_t maxBoxByte = 255u;
 CVERT_CONSTANT uint32_t tileExtentBits = 18u;
-CVERT_CONSTANT int maxTileExtent = 1 << 18;
 
 /*! Bits of VertHeader::info in a tile. Other bits: 29, 30 as in a block. */
 CVERT_CONSTANT uint32_t tileInfo = rawInfo | (1u << 14);
