@@ -141,7 +141,7 @@ def check(options, folder):
             complain(f"{name}: a pixel differs by {100 * largest:.0f}%, more than {100 * MOST_DARKENING:.0f}%")
     for name, picture in rows:
         print(f"{name}: {picture.line}")
-        if not re.search(r"1 triangle mesh as cVERT: 1000000 quads", picture.line):
+        if not re.search(r"1 triangle mesh as cTILE: 1000000 quads", picture.line):
             complain(f"{name}: the sheet is not compressed as 1000000 quads")
     for name, most in {"default": MOST_DARK, "edge/2048": MOST_DARK, "lossless": 0, system_name: 0}.items():
         if dark[name] > most:
