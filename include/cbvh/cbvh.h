@@ -832,6 +832,55 @@ struct CbvhGeometryQuery {
 CBVH_API void cbvhIntersectGeometry(const struct CbvhGeometryQuery* query);
 CBVH_API void cbvhOccludedGeometry(const struct CbvhGeometryQuery* query);
 
+/* --- closest points ----------------------------------------------------------------------- */
+
+/* A point of a stored triangle. */
+struct CbvhClosestPoint {
+  float x, y, z;
+  float distance;               /* from the query's point */
+  float Ng_x, Ng_y, Ng_z;       /* normal of the triangle as in CbvhHit, of any length */
+  float u, v;                   /* parameters on the primitive */
+  unsigned int primID, geomID;  /* geomID: index of the surface in its group */
+};
+
+/* Arguments of a function that is called for the closest point of each triangle within the radius of a query. */
+struct CbvhPointFunctionArguments {
+  void* userPtr; /* of the query */
+  const struct CbvhClosestPoint* point;
+  float radius; /* of the query now. The function may decrease it */
+};
+
+/* Returns 1 to accept a point: the radius becomes its distance, so that only closer points follow. Returns 0 to ignore
+ * it: a function that always returns 0 visits all triangles within the radius, nearby ones first in general. It may
+ * trace rays and start other queries. */
+typedef int (*CbvhPointFunction)(struct CbvhPointFunctionArguments* args);
+
+/* A query for the closest point. */
+struct CbvhPointQuery {
+  size_t structSize CBVH_SIZE_OF(CbvhPointQuery);
+  float x CBVH_ZERO, y CBVH_ZERO, z CBVH_ZERO;
+  float time CBVH_ZERO;                /* 0 to 1, for surfaces that move, otherwise ignored */
+  float radius CBVH_ZERO;              /* largest distance, may be infinite */
+  CbvhPointFunction function CBVH_ZERO; /* called on the querying thread. NULL: every point is accepted */
+  void* userPtr CBVH_ZERO;             /* passed to the function */
+};
+
+/* Finds the point of a group that is closest to a given point, on the triangles that are stored (see below), at a
+ * distance of at most the radius. Masks of surfaces are not used. Distances are computed in double precision. Of
+ * several triangles that are equally close, it reports the one with the least geomID, then primID. Only triangles with
+ * three different, finite vertices are found.
+ *
+ * group:   committed.
+ * query:   read.
+ * closest: written if a point was found, or NULL.
+ *
+ * Returns 1 if a point was found and accepted, otherwise 0.
+ *
+ * Errors, for which the error function is called: CBVH_ERROR_INVALID_ARGUMENT for coordinates that are not in -1e18 to
+ * 1e18, and for a radius that is negative or NaN; CBVH_ERROR_INVALID_OPERATION if the group was never committed, and
+ * if a surface within the radius has no triangles, in which case the result is 0. Thread safety: as rays. */
+CBVH_API int cbvhPointQuery(CbvhGroup group, const struct CbvhPointQuery* query, struct CbvhClosestPoint* closest);
+
 /* --- access to stored triangles ----------------------------------------------------------
  *
  * Only cTILE, cVERT and cGRID store triangles. Surfaces of cbvhCommitSurface have them. Functions of this section, and

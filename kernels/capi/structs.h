@@ -26,6 +26,7 @@ CBVH_EXTENSIBLE_STRUCT(CbvhAccuracy, pixelSize);
 CBVH_EXTENSIBLE_STRUCT(CbvhInterpolationPoints, dPdv);
 CBVH_EXTENSIBLE_STRUCT(CbvhGroupStatistics, maxVertexDeviation);
 CBVH_EXTENSIBLE_STRUCT(CbvhQuery, filterUserPtr);
+CBVH_EXTENSIBLE_STRUCT(CbvhPointQuery, userPtr);
 CBVH_EXTENSIBLE_STRUCT(CbvhClusterStatistics, numTrianglesByReason);
 CBVH_EXTENSIBLE_STRUCT(CbvhFileSurfaceInfo, bytes);
 CBVH_EXTENSIBLE_STRUCT(CbvhSurfaceStatistics, maxBorderMismatch);

@@ -8,6 +8,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/geometry_commit.cpp
   cbvh/api/interpolation_checks.cpp
   cbvh/api/rtcore_compression.cpp
+  cbvh/operations/closest_point.cpp
   cbvh/operations/compression.cpp
   cbvh/operations/device.cpp
   cbvh/operations/device_string.cpp

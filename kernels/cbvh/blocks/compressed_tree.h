@@ -35,7 +35,6 @@ struct alignas(64) WideNode {
 struct CompressedTree : public BVH4 {
   CompressedTree(const PrimitiveType& type, Scene* scene) : BVH4(type, scene), wide(scene->device, 0) {}
 
-  bool supportsPointQueries = false; //!< false if it has only cages, which Embree's point queries skip
-  mvector<WideNode> wide;            //!< the tree for single rays; empty if they traverse the BVH4
+  mvector<WideNode> wide; //!< the tree for single rays; empty if they traverse the BVH4
 };
 } // namespace embree

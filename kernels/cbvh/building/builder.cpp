@@ -105,8 +105,6 @@ public:
   void build() {
     report->clear();
     std::vector<Surface> surfaces = findSurfaces();
-    ((CompressedTree*)bvh)->supportsPointQueries =
-        std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& surface) { return !surface.isCage(); });
     const std::vector<uint64_t> before = buildIDsInTree;
     const bool reusesTree = !surfaces.empty() && buildIDsInTree == buildIDsOf(surfaces);
     if (!reusesTree) clear();

@@ -1,11 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries (rtcPointQuery) over compressed geometries. A box is within reach if it touches the query's sphere, or
- * the query's box for Embree's AABB queries. The application's function is called, possibly several times, for the
- * primitive of each block whose box in the tree is within reach, or that is the tree's only block. In blocks with
- * numbers of quads and in mesh blocks, it is called for each quad or triangle whose box is within reach. As in Embree,
- * queries find no subdivision surfaces. */
+/* Point queries (rtcPointQuery) over compressed geometries, and queries for the closest point
+ * (base/closest_point_query.h), for which exact/point_search.h searches the blocks. A box is within reach if it touches
+ * the query's sphere, or the query's box for Embree's AABB queries. The application's function is called, possibly
+ * several times, for the primitive of each block whose box in the tree is within reach, or that is the tree's only
+ * block. In blocks with numbers of quads and in mesh blocks, it is called for each quad or triangle whose box is within
+ * reach. Faces of subdivision surfaces are found only if they are compressed: Embree has no point queries for them. */
 
 #include "queries1.h"
 #include "../base/block_validity.h"
@@ -14,6 +15,7 @@
 #include "../../cvert/portable/world.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "../embree/scene.h"
+#include "../exact/point_search.h"
 #include "../blocks/compressed_tree.h"
 #include "../blocks/vertices_at_time.h"
 #include <initializer_list>
@@ -23,11 +25,14 @@ using namespace embree::cbvh;
 
 class PointQueryTraversal {
 public:
-  PointQueryTraversal(PointQuery* query, PointQueryContext* context) : query(query), context(context) {}
+  PointQueryTraversal(PointQuery* query, PointQueryContext* context)
+    : query(query),
+      context(context),
+      closest(ClosestPointQuery::of(context)) {}
 
   /*! Visits the leaves of a tree, nearest children first. Returns true if a call changed the query. */
   bool operator()(const BVH4* bvh) {
-    if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->supportsPointQueries) return false;
+    if (bvh->root == BVH4::emptyNode) return false;
     bool changed = false;
     Item stack[1 + 3 * BVH4::maxDepth];
     size_t n = 0;
@@ -61,8 +66,10 @@ private:
 
   bool isSphere() const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
-  /*! Largest distanceOf() within reach. A call of the application's function may decrease it. */
-  float maxDistance() const { return isSphere() ? query->radius * query->radius : 0.0f; }
+  /*! Largest distanceOf() within reach. A call of the application's function may decrease it. Both are rounded. */
+  float maxDistance() const {
+    return isSphere() ? query->radius * query->radius * (1.0f + 16.0f * floatUlp) : 0.0f;
+  }
 
   /*! Distances of a node's children: squared for a sphere, otherwise to the query's box. */
   vfloat4 distanceOf(const BVH4::AABBNode* node) const {
@@ -77,10 +84,16 @@ private:
     const vfloat4 time(query->time);
     if (ref.isAABBNodeMB4D())
       isPresent = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
-    return distanceOf(
-        distanceTo(query->p.x, madd(time, node->lower_dx, node->lower_x), madd(time, node->upper_dx, node->upper_x)),
-        distanceTo(query->p.y, madd(time, node->lower_dy, node->lower_y), madd(time, node->upper_dy, node->upper_y)),
-        distanceTo(query->p.z, madd(time, node->lower_dz, node->lower_z), madd(time, node->upper_dz, node->upper_z)));
+    auto distance = [&](float p, const vfloat4& lower, const vfloat4& lowerChange, const vfloat4& upper,
+                        const vfloat4& upperChange) {
+      // interpolated planes are rounded
+      const vfloat4 slack =
+          max(abs(lower) + abs(lowerChange), abs(upper) + abs(upperChange)) * vfloat4(4.0f * floatUlp);
+      return distanceTo(p, madd(time, lowerChange, lower) - slack, madd(time, upperChange, upper) + slack);
+    };
+    return distanceOf(distance(query->p.x, node->lower_x, node->lower_dx, node->upper_x, node->upper_dx),
+                      distance(query->p.y, node->lower_y, node->lower_dy, node->upper_y, node->upper_dy),
+                      distance(query->p.z, node->lower_z, node->lower_dz, node->upper_z, node->upper_dz));
   }
 
   /*! x, y, z: distances of boxes from the query's point on each axis. */
@@ -99,7 +112,9 @@ private:
   bool callForLeaf(BVH4::NodeRef leaf) {
     size_t type;
     const void* block = leaf.leaf(type);
-    if (!isBlock(type) || !embree::cbvh::isBlockValid(block, BlockType(type))) return false;
+    if (!isBlock(type)) return skipLeaf();
+    if (!embree::cbvh::isBlockValid(block, BlockType(type))) return false;
+    if (closest) return search(block, BlockType(type));
     switch (BlockType(type)) {
     case FRAMED_BLOCK: return false;
     case VERT_BLOCK:
@@ -109,26 +124,41 @@ private:
     return false;
   }
 
+  /*! Searches a block for the closest point. */
+  bool search(const void* block, BlockType type) {
+    PointSearch search(query, *closest);
+    switch (type) {
+    case FRAMED_BLOCK: return skipLeaf();
+    case VERT_BLOCK: search.searchVert((const VertHeader*)block); break;
+    case TILE_BLOCK: search.searchTile((const VertHeader*)block); break;
+    case MESH_BLOCK: search.searchMesh((const MeshHeader*)block); break;
+    }
+    return false;
+  }
+
+  /*! A leaf without triangles that can be searched. */
+  bool skipLeaf() {
+    if (closest) closest->hasOtherLeaves = true;
+    return false;
+  }
+
   bool callForBlock(const VertHeader* block) {
     Geometry* const geometry = beginBlock(block->surface);
-    if (!geometry || !embree::cbvh::VerticesAtTime::isPresent(block, time())) return false;
+    if (!embree::cbvh::VerticesAtTime::isPresent(block, time())) return false;
     if (hasPrimIDs(block->info)) return callQuads(geometry, block);
     context->primID = block->primID;
     return geometry->pointQuery(query, context);
   }
 
   bool callForBlock(const MeshHeader* block) {
-    Geometry* const geometry = beginBlock(block->surface);
-    return geometry && callTriangles(geometry, block);
+    return callTriangles(beginBlock(block->surface), block);
   }
 
-  /*! Returns the geometry of a block, or null if queries skip it. */
+  /*! Returns the geometry of a block. */
   Geometry* beginBlock(uint32_t surface) {
     const uint32_t geomID = context->scene->surfaceIDs[surface];
-    Geometry* const geometry = context->scene->get(geomID);
-    if (asCompressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return nullptr;
     context->geomID = geomID;
-    return geometry;
+    return context->scene->get(geomID);
   }
 
   embree::cbvh::TraversalTime time() const { return {query->time, false}; }
@@ -208,8 +238,9 @@ private:
                max(d[2] - context->query_radius[2], 0.0f));
   }
 
-  PointQuery* query;
-  PointQueryContext* context;
+  PointQuery* const query;
+  PointQueryContext* const context;
+  ClosestPointQuery* const closest; //!< null for queries that call the application's function
 };
 
 } // namespace embree::isa::cbvh

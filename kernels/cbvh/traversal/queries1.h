@@ -15,8 +15,7 @@ struct CompressedSubdivTraversal1 {
   static void intersect(const Accel::Intersectors* This, RayHit& ray, IntersectContext* context);
   static void occluded(const Accel::Intersectors* This, Ray& ray, IntersectContext* context);
 
-  /*! Skips cages, as Embree does. Returns true if a call of the application's function returned true, because it
-   *  changed the query. */
+  /*! Returns true if a call of the application's function returned true, because it changed the query. */
   static bool pointQuery(const Accel::Intersectors* This, PointQuery* query, PointQueryContext* context);
 };
 

@@ -1,0 +1,309 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Searches blocks for triangles within the radius of a query, nearest boxes first. Which points are found does not
+ * depend on this order, nor on the instruction set: equally close points are ordered by their triangles. */
+
+#include "../base/closest_point_query.h"
+#include "cached_mesh.h"
+#include "moving_block.h"
+#include "near_triangles.h"
+#include "tile_block.h"
+#include "../../cvert/rule/closest_point.h"
+
+namespace embree::isa::cbvh {
+/*! Distances of the triangles of quads, one quad per lane. Bits of masks: quad, plus 16 for second triangles. */
+template<int vectors>
+class QuadDistances {
+public:
+  /*! Corners: at(j, c) returns corner c (column + 2 row) of the quads in vector j. */
+  template<typename Corners>
+  __forceinline QuadDistances(const Corners& x, const Corners& y, const Corners& z) {
+    for (int j = 0; j < vectors; j++) {
+      auto corner = [&](int c) { return OffsetsV(x.at(j, c), y.at(j, c), z.at(j, c)); };
+      const OffsetsV c1 = corner(1), c2 = corner(2);
+      triangles[0][j] = TriangleDistances(corner(0), c1, c2);
+      triangles[1][j] = TriangleDistances(c2, c1, corner(3));
+    }
+  }
+
+  __forceinline uint32_t mayBeWithin(float distance) const {
+    vboolV within[2][vectors];
+    for (int i = 0; i < 2; i++)
+      for (int j = 0; j < vectors; j++) within[i][j] = triangles[i][j].mayBeWithin(distance);
+    return movemasks(within[0]) | movemasks(within[1]) << 16;
+  }
+
+  void squared(float out[32]) const {
+    for (int i = 0; i < 2; i++)
+      for (int j = 0; j < vectors; j++) vfloatV::storeu(out + 16 * i + vectorWidth * j, triangles[i][j].squared);
+  }
+
+private:
+  TriangleDistances triangles[2][vectors];
+};
+
+/*! Distances of the triangles of half a group of a mesh block. Bits of masks: lane. */
+class MeshDistances {
+public:
+  __forceinline MeshDistances(const MeshTriangles& mesh, const float p[3]) : lanes(mesh.lanes) {
+    alignas(64) float at[3][3][MeshTriangles::width]; // [corner][axis]
+    for (int c = 0; c < 3; c++)
+      for (int k = 0; k < 3; k++)
+        for (uint32_t i = 0; i < MeshTriangles::width; i++)
+          at[c][k][i] = mesh.vertices.at[k][mesh.corners[c][i] & 31u] - p[k];
+    for (int j = 0; j < vectors; j++) {
+      auto corner = [&](int c) {
+        const int n = vectorWidth * j;
+        return OffsetsV(vfloatV::load(at[c][0] + n), vfloatV::load(at[c][1] + n), vfloatV::load(at[c][2] + n));
+      };
+      triangles[j] = TriangleDistances(corner(0), corner(1), corner(2));
+    }
+  }
+
+  __forceinline uint32_t mayBeWithin(float distance) const {
+    vboolV within[vectors];
+    for (int j = 0; j < vectors; j++) within[j] = triangles[j].mayBeWithin(distance);
+    return movemasks(within) & lanes;
+  }
+
+  void squared(float out[32]) const {
+    for (int j = 0; j < vectors; j++) vfloatV::storeu(out + vectorWidth * j, triangles[j].squared);
+  }
+
+private:
+  static const int vectors = int(MeshTriangles::width) / vectorWidth;
+
+  const uint32_t lanes;
+  TriangleDistances triangles[vectors];
+};
+
+class PointSearch {
+public:
+  __forceinline PointSearch(PointQuery* query, ClosestPointQuery& closest) : query(query), closest(closest) {
+    p[0] = query->p.x;
+    p[1] = query->p.y;
+    p[2] = query->p.z;
+  }
+
+  void searchVert(const VertHeader* block) {
+    if (isMoving(block->info)) {
+      const VertMotion motion = motionOf(block);
+      if (isPresent(motion, query->time)) searchQuads(block, MovingVertBlock(block, timeInMotion(motion, query->time)));
+    } else {
+      const struct {
+        VertCache* cache;
+      } thread = {&VertCache::ofThread()};
+      searchQuads(block, CachedVertBlock(thread, block));
+    }
+  }
+
+  void searchMesh(const MeshHeader* mesh) {
+    const VertHeader* const block = (const VertHeader*)mesh; // see cached_mesh.h
+    const VertRay unused;
+    if (isMovingMesh(mesh)) {
+      const VertMotion motion = motionOfMesh(mesh);
+      if (isPresent(motion, query->time))
+        searchTriangles(block, MovingMeshBlock(unused, block, timeInMotion(motion, query->time)));
+    } else searchTriangles(block, CachedMeshBlock(unused, block));
+  }
+
+  void searchTile(const VertHeader* header) {
+    const TileBlock tile(header);
+    BoxDistances leaves(p, header);
+    uint32_t leaf[2] = {0, 0};
+    while (leaves.popNearest(closest.squaredRadius, leaf[0])) {
+      const bool areTwo = tileLeavesAtOnce == 2 && leaves.popNearest(closest.squaredRadius, leaf[1]);
+      if (!areTwo) leaf[1] = leaf[0];
+      searchLeaves(tile, leaf, areTwo);
+    }
+  }
+
+private:
+  /*! Where a triangle is: its group, and its index there. See TriangleKey::triangle. */
+  struct Place {
+    uint32_t group, index;
+  };
+
+  /*! Vertices of one or two leaves. */
+  struct StoredLeaves {
+    alignas(64) float at[3][LeafLayout::vectors * vectorWidth]; //!< [axis][lane]
+  };
+
+  /*! LeafCorners, as QuadDistances expects them. */
+  struct LeafCornersAt {
+    const LeafCorners corners;
+    __forceinline vfloatV at(int j, int c) const { return corners.at[j][c]; }
+  };
+
+  void searchLeaves(const TileBlock& tile, const uint32_t leaf[2], bool areTwo) {
+    const int axes[3] = {0, 1, 2};
+    LeafVectors vertices[3];
+    tile.vertices(leaf, axes, vertices);
+    StoredLeaves stored;
+    for (int k = 0; k < 3; k++)
+      for (int n = 0; n < LeafLayout::vectors; n++) vfloatV::store(stored.at[k] + vectorWidth * n, vertices[k].at[n]);
+    const QuadDistances<tileQuadVectors> distances(LeafCornersAt{LeafCorners(vertices[0] - p[0])},
+                                                   LeafCornersAt{LeafCorners(vertices[1] - p[1])},
+                                                   LeafCornersAt{LeafCorners(vertices[2] - p[2])});
+    const VertHeader* const block = tile.tile;
+    uint32_t existing = quadsOfLeaf(block->region, leaf[0]);
+    if (areTwo) existing |= quadsOfLeaf(block->region, leaf[1]) << 8;
+    test(
+        distances, existing | existing << 16, block,
+        [&](uint32_t bit) {
+          const uint32_t l = leaf[(bit >> 3) & 1u];
+          const uint32_t inLeaf = 2 * (bit & 7u) + (bit >> 4);
+          return Place{(l & 3u) | ((l >> 3) << 2), (l & 4u ? 16u : 0u) + inLeaf};
+        },
+        [&](Place place, uint32_t bit) {
+          return VertTriangle(stored.at, leafTriangleLanes.at[tileLeavesAtOnce == 2 ? (bit >> 3) & 1u : 0u]
+                                                             [place.index % LeafTriangleLanes::triangles]);
+        },
+        [&](Place place, const VertTriangle::Sides& sides) { return pointOfQuad(block, place, sides); });
+  }
+
+  template<typename Cached>
+  void searchQuads(const VertHeader* block, const Cached& cached) {
+    BoxDistances groups(p, cached.boxes());
+    uint32_t g = 0;
+    while (groups.popNearest(closest.squaredRadius, g)) {
+      const CellVertices& vertices = cached.vertices(g);
+      auto corners = [&](int k) {
+        return QuadCornersV(CellVector(vertices.at[k]).map([&](const vfloatV& x) { return x - vfloatV(p[k]); }));
+      };
+      const QuadDistances<QuadCornersV::vectors> distances(corners(0), corners(1), corners(2));
+      const uint32_t existing = quadsOfGroup(block->region, g);
+      test(
+          distances, existing | existing << 16, block,
+          [&](uint32_t bit) { return Place{g, 2 * (bit & 15u) + (bit >> 4)}; },
+          [&](Place place, uint32_t) { return VertTriangle(cached.vertices(place.group), place.index); },
+          [&](Place place, const VertTriangle::Sides& sides) { return pointOfQuad(block, place, sides); });
+    }
+  }
+
+  template<typename Cached>
+  void searchTriangles(const VertHeader* block, const Cached& cached) {
+    BoxDistances groups(p, cached.boxes());
+    uint32_t g = 0;
+    while (groups.popNearest(closest.squaredRadius, g)) {
+      const bool hasNextHalf = cached.triangles(g, 0).hasNextHalf;
+      for (uint32_t half = 0; half < (hasNextHalf ? 2u : 1u); half++)
+        test(
+            MeshDistances(cached.triangles(g, half), p), ~0u, block,
+            [&](uint32_t bit) { return Place{g, 16 * half + bit}; },
+            [&](Place place, uint32_t bit) { return VertTriangle(cached.triangles(place.group, half), bit); },
+            [&](Place place, const VertTriangle::Sides& sides) {
+              return cached.point(place.group, place.index, clampParameter(sides.w1), clampParameter(sides.w2));
+            });
+    }
+  }
+
+  static __forceinline SurfacePoint pointOfQuad(const VertHeader* block, Place place,
+                                                const VertTriangle::Sides& sides) {
+    return surfacePoint(block, place.group, place.index, positionInQuad(sides, bool(place.index & 1u)));
+  }
+
+  /*! Mask of the quads of 4 x `rows` that exist, the first of which is (x,y) of the block. */
+  static __forceinline uint32_t quadsFrom(uint32_t region, uint32_t x, uint32_t y, uint32_t rows) {
+    const uint32_t columns = min(vertQuadsX(region) - x, groupQuads);
+    return ((1u << columns) - 1u) * 0x1111u & ((1u << (4 * min(vertQuadsY(region) - y, rows))) - 1u);
+  }
+  static __forceinline uint32_t quadsOfGroup(uint32_t region, uint32_t g) {
+    return quadsFrom(region, groupQuads * (g & 3u), groupQuads * (g >> 2), groupQuads);
+  }
+  static __forceinline uint32_t quadsOfLeaf(uint32_t region, uint32_t leaf) {
+    return quadsFrom(region, leafQuadsX * (leaf & 3u), leafQuadsY * (leaf >> 2), leafQuadsY);
+  }
+
+  /*! Least float that is not below the query's radius. */
+  __forceinline float radiusAbove() const {
+    return float(std::sqrt(closest.squaredRadius)) * (1.0f + 2.0f * floatUlp);
+  }
+
+  /*! Tests triangles of a mask. Functions: placeOf(bit); triangleAt(place, bit); pointAt(place, sides). */
+  template<typename Distances, typename PlaceOf, typename TriangleAt, typename PointAt>
+  __forceinline void test(const Distances& distances, uint32_t existing, const VertHeader* block,
+                          const PlaceOf& placeOf, const TriangleAt& triangleAt, const PointAt& pointAt) {
+    uint32_t mask = existing & distances.mayBeWithin(radiusAbove());
+    auto testBit = [&](uint32_t bit) {
+      const Place place = placeOf(bit);
+      const WideTriangle<double> triangle = triangleAt(place, bit).wide();
+      const double at[3] = {p[0], p[1], p[2]};
+      const PointOfTriangle point = closestPointOfTriangle(at, triangle.at);
+      if (!(point.squared <= closest.squaredRadius)) return;
+      if (!isPreferred(point.squared, block, place)) return;
+      const VertTriangle::Sides sides = {float(1 - point.w1 - point.w2), float(point.w1), float(point.w2), 1.0f};
+      accept(point, triangle, pointAt(place, sides), block, place);
+    };
+    if (mask & (mask - 1)) {
+      const uint32_t nearest = nearestOf(distances, mask);
+      testBit(nearest);
+      mask &= ~(1u << nearest) & distances.mayBeWithin(radiusAbove());
+    }
+    for (; mask; mask &= mask - 1) testBit(uint32_t(bsf(mask)));
+  }
+
+  template<typename Distances>
+  static __forceinline uint32_t nearestOf(const Distances& distances, uint32_t mask) {
+    alignas(64) float squared[32];
+    distances.squared(squared);
+    uint32_t nearest = uint32_t(bsf(mask));
+    for (uint32_t rest = mask & (mask - 1); rest; rest &= rest - 1) {
+      const uint32_t bit = uint32_t(bsf(rest));
+      if (squared[bit] < squared[nearest]) nearest = bit;
+    }
+    return nearest;
+  }
+
+  TriangleKey keyOf(const VertHeader* block, Place place) const {
+    return TriangleKey{geomIDOf(block), block->primID, block->region, 32 * place.group + place.index};
+  }
+  uint32_t geomIDOf(const VertHeader* block) const { return closest.scene->surfaceIDs[block->surface]; }
+
+  /*! False if another triangle with precedence is equally close. */
+  __forceinline bool isPreferred(double squared, const VertHeader* block, Place place) const {
+    return closest.function || !closest.isFound || squared < closest.squaredRadius ||
+           hasPrecedence(keyOf(block, place), closest.key);
+  }
+
+  __noinline void accept(const PointOfTriangle& at, const WideTriangle<double>& triangle, const SurfacePoint& surface,
+                         const VertHeader* block, Place place) {
+    PointOnSurface point;
+    const WideNormal<double> normal = normalOf(triangle);
+    for (int k = 0; k < 3; k++) {
+      const double(&v)[3] = triangle.at[k];
+      point.p[k] = float(v[0] + at.w1 * (v[1] - v[0]) + at.w2 * (v[2] - v[0]));
+      point.Ng[k] = float(normal.at[k]);
+    }
+    point.distance = float(std::sqrt(at.squared));
+    point.u = surface.u;
+    point.v = surface.v;
+    point.primID = surface.primID;
+    point.geomID = geomIDOf(block);
+    double squaredRadius = at.squared;
+    if (closest.function) {
+      const float before = float(std::sqrt(closest.squaredRadius));
+      float radius = before;
+      const bool isAccepted = closest.function(closest.functionPtr, point, radius);
+      squaredRadius = isAccepted ? at.squared : closest.squaredRadius;
+      if (radius < before) squaredRadius = min(squaredRadius, double(radius) * radius);
+      if (isAccepted) setClosest(point, block, place);
+    } else setClosest(point, block, place);
+    closest.squaredRadius = squaredRadius;
+    query->radius = radiusAbove();
+  }
+
+  void setClosest(const PointOnSurface& point, const VertHeader* block, Place place) {
+    closest.isFound = true;
+    closest.closest = point;
+    closest.key = keyOf(block, place);
+  }
+
+  PointQuery* const query;
+  ClosestPointQuery& closest;
+  float p[3];
+};
+} // namespace embree::isa::cbvh

@@ -1,0 +1,23 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "closest_point.h"
+#include "../base/closest_point_query.h"
+
+namespace embree {
+bool cbvh::ClosestPointQuery::mark(RTCPointQueryFunctionArguments*) { return false; }
+
+bool core::findClosestPoint(Scene* scene, const float p[3], float time, float radius, cbvh::PointFunction function,
+                            void* userPtr, cbvh::PointOnSurface& closest) {
+  PointQuery query(Vec3fa(p[0], p[1], p[2]), radius, time);
+  RTCPointQueryContext user;
+  rtcInitPointQueryContext(&user);
+  cbvh::ClosestPointQuery context(scene, &query, &user, function, userPtr);
+  scene->intersectors.pointQuery(&query, &context);
+  if (context.isFound) closest = context.closest;
+  if (context.hasOtherLeaves)
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                   "a surface near the point has no stored triangles: expected cTILE or cVERT");
+  return context.isFound;
+}
+} // namespace embree
