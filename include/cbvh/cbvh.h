@@ -886,7 +886,7 @@ CBVH_API int cbvhPointQuery(CbvhGroup group, const struct CbvhPointQuery* query,
  * Only cTILE, cVERT and cGRID store triangles. Surfaces of cbvhCommitSurface have them. Functions of this section, and
  * cbvhForEachCluster, fail with CBVH_ERROR_INVALID_OPERATION for others: a surface from a file of another
  * representation, and a surface of a geometry that is not compressed, or whose parts are not all stored as one of
- * these. */
+ * these. So does cbvhPointQuery, also for cGRID. */
 
 /* A stored triangle. */
 struct CbvhTriangle {
@@ -911,6 +911,22 @@ struct CbvhTriangle {
  * triangles, or if its file has a damaged block. */
 CBVH_API int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
                               struct CbvhTriangle* triangle);
+
+/* Finds the point of a primitive that is closest to a given point. Meant for functions that rtcPointQuery calls:
+ * cbvhPointQuery finds the closest point of all primitives, and is faster. The first call after a commit builds the
+ * index of cbvhFindTriangle.
+ *
+ * surface: committed.
+ * time:    0 to 1. Ignored for a surface that does not move.
+ * p:       3 floats.
+ * radius:  largest distance, may be infinite.
+ * closest: written if a point is found. geomID is 0.
+ *
+ * Returns 1 if a triangle of the primitive is within the radius. Returns 0 otherwise, for an unknown primID, outside of
+ * the time range, and on errors, for which the error function is called: those of cbvhFindTriangle and, for p and
+ * radius, of cbvhPointQuery. */
+CBVH_API int cbvhFindClosestPoint(CbvhSurface surface, float time, unsigned int primID, const float p[3], float radius,
+                                  struct CbvhClosestPoint* closest);
 
 /* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Quad (x,y) has the triangles (x,y),
  * (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats, with cGRID

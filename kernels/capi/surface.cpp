@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "surface.h"
+#include "points.h"
 #include "structs.h"
 
 #include "cbvh/base/number_text.h"
@@ -575,6 +576,20 @@ int cbvhFindTriangle(CbvhSurface surface, float time, unsigned int primID, float
     embree::cbvh::StoredTriangle stored;
     isFound = core::findTriangle(surface->committedInput()->embreeGeometry(), time, primID, u, v, Ng, stored);
     if (isFound) *triangle = toPublic(stored);
+  });
+  return isFound;
+}
+
+int cbvhFindClosestPoint(CbvhSurface surface, float time, unsigned int primID, const float p[3], float radius,
+                         CbvhClosestPoint* closest) {
+  bool isFound = false;
+  onSurface(surface, [&] {
+    require(p && closest, "p or closest is NULL");
+    checkPoint(p, radius);
+    embree::cbvh::PointOnSurface found;
+    isFound = core::findClosestPointOfPrimitive(surface->committedInput()->embreeGeometry(), time, primID, p, radius,
+                                                found);
+    if (isFound) *closest = toPublic(found);
   });
   return isFound;
 }

@@ -5,6 +5,8 @@
 #include "../base/block_validity.h"
 #include "../embree/scene.h"
 #include "../../cvert/decoder/decoded_mesh.h"
+#include "../../cvert/rule/closest_point.h"
+#include "../../cvert/rule/rule.h"
 #include "vertices_at_time.h"
 #include "surface_blocks.h"
 #include <algorithm>
@@ -99,6 +101,27 @@ struct ParametrizedBlock {
       for (int k = 0; k < 3; k++) vertices[i][k] = planes[k * vertices.size() + i];
   }
 
+  /*! Calls closure(vertices, u, v) for the triangles of quads x0 to x1-1, y0 to y1-1 of the block. */
+  template<typename Closure>
+  void forEachTriangle(uint32_t x0, uint32_t x1, uint32_t y0, uint32_t y1, const Closure& closure) const {
+    const uint32_t width = position.quads[0] + 1;
+    for (uint32_t j = y0; j < y1; j++)
+      for (uint32_t i = x0; i < x1; i++) {
+        const uint32_t a = j * width + i;
+        const uint32_t corners[2][3] = {{a, a + 1, a + width}, {a + width, a + 1, a + width + 1}};
+        for (const uint32_t(&triangle)[3] : corners) {
+          const float* p[3];
+          float s[3], t[3];
+          for (int c = 0; c < 3; c++) {
+            p[c] = vertices[triangle[c]].data();
+            s[c] = parameters[triangle[c]][0];
+            t[c] = parameters[triangle[c]][1];
+          }
+          closure(p, s, t);
+        }
+      }
+  }
+
 private:
   /*! Also sets the number of vertices. */
   void setParameters() {
@@ -146,6 +169,108 @@ void forEachTriangle(const MeshHeader* block, const TraversalTime& time, const C
   }
 }
 
+/*! Calls closure(vertices, u, v) for the triangles of a primitive in a block with several, in the application's order.
+ *  u, v: parameters of the vertices. */
+template<typename Closure>
+void forEachTriangleOf(const VertHeader* block, const TraversalTime& time, uint32_t primID, const Closure& closure) {
+  const VerticesAtTime vertices(block, time);
+  forEachQuad(block, [&](uint32_t x, uint32_t y) {
+    const float* const corners[4] = {vertices.vertex(x, y), vertices.vertex(x + 1, y), vertices.vertex(x + 1, y + 1),
+                                     vertices.vertex(x, y + 1)};
+    for (bool isSecond : {false, true}) {
+      const QuadPrimitive primitive = primitiveOfQuad(block, x, y, isSecond);
+      const uint32_t numbering = primitive.numbering;
+      if (primitive.primID != primID || (isSecond && isSingleTriangleNumbering(numbering))) continue;
+      const float* p[3];
+      float s[3] = {0, 1, 0}, t[3] = {0, 0, 1};
+      for (uint32_t i = 0; i < 3; i++) {
+        // `around` lists the corners in the order of primitiveParameters
+        const uint32_t around[] = {isSecond ? 2u : 0u, isSecond ? 3u : 1u, isSecond ? 1u : 3u};
+        p[i] = corners[around[(i + firstCornerOfTriangle(numbering, isSecond)) % 3]];
+        if (!isTriangleNumbering(numbering) && isSecond) {
+          s[i] = 1 - s[i];
+          t[i] = 1 - t[i];
+        }
+      }
+      closure(p, s, t);
+    }
+  });
+}
+
+template<typename Closure>
+void forEachTriangleOf(const MeshHeader* block, const TraversalTime& time, uint32_t primID, const Closure& closure) {
+  forEachTriangle(block, time, [&](uint32_t number, const float(&corners)[3][3]) {
+    if (primitiveOfMesh(block->info, number) != primID) return;
+    const float* const p[3] = {corners[0], corners[1], corners[2]};
+    const float first[2][3] = {{0, 1, 0}, {0, 0, 1}}, second[2][3] = {{1, 0, 1}, {1, 1, 0}};
+    const float(&parameters)[2][3] = isSecondOfQuad(block->info, number) ? second : first;
+    closure(p, parameters[0], parameters[1]);
+  });
+}
+
+/*! The same for a block of one primitive. Header: VertHeader, or Block of cGRID. */
+template<typename Header, typename Closure>
+void forEachTriangleOf(const Header* block, const TraversalTime& time, const Closure& closure) {
+  const ParametrizedBlock decoded(block, time);
+  decoded.forEachTriangle(0, decoded.position.quads[0], 0, decoded.position.quads[1], closure);
+}
+
+/*! Finds the closest point of the triangles of a primitive. */
+class ClosestSearch {
+public:
+  ClosestSearch(const TraversalTime& time, const float p[3], float radius, PointOnSurface& best)
+    : time(time),
+      p{p[0], p[1], p[2]},
+      squared(double(radius) * radius),
+      best(best) {}
+
+  bool found = false;
+
+  /*! block: must contain the primitive. */
+  void searchBlock(const StoredBlock& block, uint32_t primID) {
+    if (!isPresent(block, time)) return;
+    auto consider = [&](const float* const corners[3], const float u[3], const float v[3]) {
+      considerTriangle(corners, u, v, primID);
+    };
+    switch (block.type) {
+    case FRAMED_BLOCK: forEachTriangleOf(block.framed(), time, consider); break;
+    case VERT_BLOCK:
+    case TILE_BLOCK:
+      if (block.areQuadsPrimitives()) forEachTriangleOf(block.vert(), time, primID, consider);
+      else forEachTriangleOf(block.vert(), time, consider);
+      break;
+    case MESH_BLOCK: forEachTriangleOf(block.mesh(), time, primID, consider); break;
+    }
+  }
+
+private:
+  void considerTriangle(const float* const corners[3], const float u[3], const float v[3], uint32_t primID) {
+    WideTriangle<double> triangle;
+    for (int k = 0; k < 3; k++)
+      for (int c = 0; c < 3; c++) triangle.at[k][c] = corners[c][k];
+    const PointOfTriangle at = closestPointOfTriangle(p, triangle.at);
+    if (!(found ? at.squared < squared : at.squared <= squared)) return;
+    found = true;
+    squared = at.squared;
+    const WideNormal<double> normal = normalOf(triangle);
+    auto interpolate = [&](double a, double b, double c) { return float(a + at.w1 * (b - a) + at.w2 * (c - a)); };
+    for (int k = 0; k < 3; k++) {
+      best.p[k] = interpolate(triangle.at[k][0], triangle.at[k][1], triangle.at[k][2]);
+      best.Ng[k] = float(normal.at[k]);
+    }
+    best.distance = float(std::sqrt(squared));
+    best.u = interpolate(u[0], u[1], u[2]);
+    best.v = interpolate(v[0], v[1], v[2]);
+    best.primID = primID;
+    best.geomID = 0;
+  }
+
+  const TraversalTime time;
+  const double p[3];
+  double squared; //!< of the radius, or of the distance of `best`
+  PointOnSurface& best;
+};
+
 /*! Finds the triangle of a hit by its primitive and parameters. As rounding can move these across an edge, it
  *  accepts triangles near (u,v). Among these, it selects the one whose normal or negative normal is closest to
  *  Ng, or the nearest one in barycentric coordinates if Ng is null. */
@@ -175,41 +300,17 @@ public:
   }
 
 private:
-  /*! See areQuadsPrimitives(). Vertices are in the application's order. */
   void searchByPrimitive(const VertHeader* block, uint32_t primID) {
-    const VerticesAtTime vertices(block, time);
     tolerance = roundingBound(u) + roundingBound(v);
-    forEachQuad(block, [&](uint32_t x, uint32_t y) {
-      const float* const corners[4] = {vertices.vertex(x, y), vertices.vertex(x + 1, y), vertices.vertex(x + 1, y + 1),
-                                       vertices.vertex(x, y + 1)};
-      for (bool isSecond : {false, true}) {
-        const QuadPrimitive primitive = primitiveOfQuad(block, x, y, isSecond);
-        const uint32_t numbering = primitive.numbering;
-        if (primitive.primID != primID || (isSecond && isSingleTriangleNumbering(numbering))) continue;
-        const float* p[3];
-        float s[3] = {0, 1, 0}, t[3] = {0, 0, 1};
-        for (uint32_t i = 0; i < 3; i++) {
-          // `around` lists the corners in the order of primitiveParameters
-          const uint32_t around[] = {isSecond ? 2u : 0u, isSecond ? 3u : 1u, isSecond ? 1u : 3u};
-          p[i] = corners[around[(i + firstCornerOfTriangle(numbering, isSecond)) % 3]];
-          if (!isTriangleNumbering(numbering) && isSecond) {
-            s[i] = 1 - s[i];
-            t[i] = 1 - t[i];
-          }
-        }
-        addCandidate(p, s, t);
-      }
+    forEachTriangleOf(block, time, primID, [&](const float* const p[3], const float s[3], const float t[3]) {
+      addCandidate(p, s, t);
     });
   }
 
   void searchMesh(const MeshHeader* block, uint32_t primID) {
     tolerance = roundingBound(u) + roundingBound(v);
-    forEachTriangle(block, time, [&](uint32_t number, const float(&corners)[3][3]) {
-      if (primitiveOfMesh(block->info, number) != primID) return;
-      const float* const p[3] = {corners[0], corners[1], corners[2]};
-      const float first[2][3] = {{0, 1, 0}, {0, 0, 1}}, second[2][3] = {{1, 0, 1}, {1, 1, 0}};
-      const float(&parameters)[2][3] = isSecondOfQuad(block->info, number) ? second : first;
-      addCandidate(p, parameters[0], parameters[1]);
+    forEachTriangleOf(block, time, primID, [&](const float* const p[3], const float s[3], const float t[3]) {
+      addCandidate(p, s, t);
     });
   }
 
@@ -232,21 +333,9 @@ private:
     const uint32_t x0 = first(x[0] - margin[0]), x1 = last(x[0] + margin[0], position.quads[0]),
                    y0 = first(x[1] - margin[1]), y1 = last(x[1] + margin[1], position.quads[1]);
     tolerance = std::max(roundingBound(u) * position.patchQuads[0], roundingBound(v) * position.patchQuads[1]);
-    for (uint32_t j = y0; j < y1; j++)
-      for (uint32_t i = x0; i < x1; i++) {
-        const uint32_t width = position.quads[0] + 1, a = j * width + i;
-        const uint32_t corners[2][3] = {{a, a + 1, a + width}, {a + width, a + 1, a + width + 1}};
-        for (const uint32_t(&triangle)[3] : corners) {
-          const float* p[3];
-          float s[3], t[3];
-          for (int c = 0; c < 3; c++) {
-            p[c] = decoded.vertices[triangle[c]].data();
-            s[c] = decoded.parameters[triangle[c]][0];
-            t[c] = decoded.parameters[triangle[c]][1];
-          }
-          addCandidate(p, s, t);
-        }
-      }
+    decoded.forEachTriangle(x0, x1, y0, y1, [&](const float* const p[3], const float s[3], const float t[3]) {
+      addCandidate(p, s, t);
+    });
   }
 
   /*! Bound of a parameter's rounding error: a few roundings of values of at most 1 + |parameter|. */
@@ -368,22 +457,33 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
   std::sort(otherBlocks.begin(), otherBlocks.end());
 }
 
-bool BlockIndex::find(const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
-                      StoredTriangle& triangle) const {
-  if (!(std::isfinite(u) && std::isfinite(v))) return false;
-  Search search(time, u, v, Ng, triangle);
+template<typename Closure>
+void BlockIndex::forBlocksOf(uint32_t primID, const Closure& closure) const {
   if (!blockOf.empty() || !otherBlocks.empty()) {
-    if (primID < blockOf.size() && blockOf[primID] != none) search.searchBlock(blocks[blockOf[primID]], primID);
+    if (primID < blockOf.size() && blockOf[primID] != none) closure(blocks[blockOf[primID]]);
     auto other = std::lower_bound(otherBlocks.begin(), otherBlocks.end(), std::make_pair(primID, 0u));
-    for (; other != otherBlocks.end() && other->first == primID; ++other)
-      search.searchBlock(blocks[other->second], primID);
-    return search.found();
+    for (; other != otherBlocks.end() && other->first == primID; ++other) closure(blocks[other->second]);
+    return;
   }
   for (auto i = std::lower_bound(blocks.begin(), blocks.end(), primID,
                                  [](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
        i != blocks.end() && i->primID() == primID; i++)
-    search.searchBlock(*i, primID);
+    closure(*i);
+}
+
+bool BlockIndex::find(const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
+                      StoredTriangle& triangle) const {
+  if (!(std::isfinite(u) && std::isfinite(v))) return false;
+  Search search(time, u, v, Ng, triangle);
+  forBlocksOf(primID, [&](const StoredBlock& block) { search.searchBlock(block, primID); });
   return search.found();
+}
+
+bool BlockIndex::findClosest(const TraversalTime& time, uint32_t primID, const float p[3], float radius,
+                             PointOnSurface& closest) const {
+  ClosestSearch search(time, p, radius, closest);
+  forBlocksOf(primID, [&](const StoredBlock& block) { search.searchBlock(block, primID); });
+  return search.found;
 }
 
 /*! forEachPart() for a mesh block. Returns false if closure returned false. */

@@ -8,6 +8,7 @@
 
 #include "block_table.h"
 #include "part.h"
+#include "../base/point_on_surface.h"
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -53,7 +54,13 @@ public:
   bool find(const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
             StoredTriangle& triangle) const;
 
+  /*! See core::findClosestPointOfPrimitive. */
+  bool findClosest(const TraversalTime& time, uint32_t primID, const float p[3], float radius,
+                   PointOnSurface& closest) const;
+
 private:
+  template<typename Closure> void forBlocksOf(uint32_t primID, const Closure& closure) const;
+
   enum : uint32_t { none = 0xFFFFFFFFu };
 
   std::vector<StoredBlock> blocks; //!< sorted by primitive

@@ -47,6 +47,11 @@ bool findTriangle(Geometry* geometry, float time, unsigned primID, float u, floa
   return requireBlocks(geometry).index().find(traversalTime(geometry, time), primID, u, v, Ng, triangle);
 }
 
+bool findClosestPointOfPrimitive(Geometry* geometry, float time, unsigned primID, const float p[3], float radius,
+                                 cbvh::PointOnSurface& closest) {
+  return requireBlocks(geometry).index().findClosest(traversalTime(geometry, time), primID, p, radius, closest);
+}
+
 void forEachPart(Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure) {
   const HeldBlocks held(geometry);
   cbvh::forEachPart(*held.blocks, traversalTime(geometry, time),

@@ -15,6 +15,7 @@
  * time: of rays; ignored for geometry that does not move. Vertices are the floats of traversal at that time. Outside of
  * the geometry's time range there are no triangles. */
 
+#include "../base/point_on_surface.h"
 #include "../blocks/cluster.h"
 #include <functional>
 
@@ -27,6 +28,11 @@ namespace core {
  *  per primitive of a quad or triangle mesh. */
 bool findTriangle(Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
                   cbvh::StoredTriangle& triangle);
+
+/*! As cbvhFindClosestPoint: finds the point of a primitive that is closest to p. radius: largest distance. closest:
+ *  written if there is one; its geomID is 0. Cost: as findTriangle, decodes all blocks of the primitive. */
+bool findClosestPointOfPrimitive(Geometry* geometry, float time, unsigned primID, const float p[3], float radius,
+                                 cbvh::PointOnSurface& closest);
 
 /*! Calls closure(part) for all parts, in unspecified order, until it returns false. Cost: decodes each block
  *  once. */
