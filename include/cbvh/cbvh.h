@@ -837,10 +837,10 @@ CBVH_API void cbvhOccludedGeometry(const struct CbvhGeometryQuery* query);
 /* A point of a stored triangle. */
 struct CbvhClosestPoint {
   float x, y, z;
-  float distance;               /* from the query's point */
-  float Ng_x, Ng_y, Ng_z;       /* normal of the triangle as in CbvhHit, of any length */
-  float u, v;                   /* parameters on the primitive */
-  unsigned int primID, geomID;  /* geomID: index of the surface in its group */
+  float distance;              /* from the query's point */
+  float Ng_x, Ng_y, Ng_z;      /* normal of the triangle as in CbvhHit, of any length */
+  float u, v;                  /* parameters on the primitive */
+  unsigned int primID, geomID; /* geomID: index of the surface in its group */
 };
 
 /* Arguments of a function that is called for the closest point of each triangle within the radius of a query. */
@@ -859,10 +859,10 @@ typedef int (*CbvhPointFunction)(struct CbvhPointFunctionArguments* args);
 struct CbvhPointQuery {
   size_t structSize CBVH_SIZE_OF(CbvhPointQuery);
   float x CBVH_ZERO, y CBVH_ZERO, z CBVH_ZERO;
-  float time CBVH_ZERO;                /* 0 to 1, for surfaces that move, otherwise ignored */
-  float radius CBVH_ZERO;              /* largest distance, may be infinite */
+  float time CBVH_ZERO;                 /* 0 to 1, for surfaces that move, otherwise ignored */
+  float radius CBVH_ZERO;               /* largest distance, may be infinite */
   CbvhPointFunction function CBVH_ZERO; /* called on the querying thread. NULL: every point is accepted */
-  void* userPtr CBVH_ZERO;             /* passed to the function */
+  void* userPtr CBVH_ZERO;              /* passed to the function */
 };
 
 /* Finds the point of a group that is closest to a given point, on the triangles that are stored (see below), at a

@@ -12,13 +12,11 @@
 #include <cmath>
 #include <cstdio>
 
-namespace embree {
-namespace capi {
+namespace embree { namespace capi {
 
 inline CbvhClosestPoint toPublic(const cbvh::PointOnSurface& from) {
-  return {from.p[0],  from.p[1],  from.p[2], from.distance, from.Ng[0],
-          from.Ng[1], from.Ng[2], from.u,    from.v,        from.primID,
-          from.geomID};
+  return {from.p[0],  from.p[1], from.p[2], from.distance, from.Ng[0], from.Ng[1],
+          from.Ng[2], from.u,    from.v,    from.primID,   from.geomID};
 }
 
 /* Throws for a point or a radius that no query accepts. */
@@ -33,5 +31,4 @@ inline void checkPoint(const float p[3], float radius) {
   require(radius >= 0, "the radius is negative or NaN: expected at least 0");
 }
 
-} // namespace capi
-} // namespace embree
+}} // namespace embree::capi

@@ -587,8 +587,8 @@ int cbvhFindClosestPoint(CbvhSurface surface, float time, unsigned int primID, c
     require(p && closest, "p or closest is NULL");
     checkPoint(p, radius);
     embree::cbvh::PointOnSurface found;
-    isFound = core::findClosestPointOfPrimitive(surface->committedInput()->embreeGeometry(), time, primID, p, radius,
-                                                found);
+    isFound =
+        core::findClosestPointOfPrimitive(surface->committedInput()->embreeGeometry(), time, primID, p, radius, found);
     if (isFound) *closest = toPublic(found);
   });
   return isFound;

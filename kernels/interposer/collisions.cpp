@@ -18,7 +18,7 @@ struct Collisions {
 bool isSubstituted(RTCScene scene, unsigned int geomID) {
   RTCPointQueryContext noInstances;
   noInstances.instStackSize = 0;
-  return Objects::get().isSubstituted(scene, noInstances, 0, geomID);
+  return Objects::get().findSubstitute(scene, noInstances, 0, geomID) != nullptr;
 }
 
 /* Called by several threads at the same time, each with its own array. */

@@ -45,7 +45,8 @@ inline const std::initializer_list<Functions> overriddenFunctions = {
       "rtcCommitGeometry"}},
     {"set what rays find",
      {"rtcSetGeometryMask", "rtcSetGeometryUserData", "rtcSetGeometryIntersectFilterFunction",
-      "rtcSetGeometryOccludedFilterFunction", "rtcSetGeometryEnableFilterFunctionFromArguments"}},
+      "rtcSetGeometryOccludedFilterFunction", "rtcSetGeometryEnableFilterFunctionFromArguments",
+      "rtcSetGeometryPointQueryFunction"}},
 };
 
 inline const std::initializer_list<Functions> otherFunctions = {
@@ -64,8 +65,6 @@ inline const std::initializer_list<Functions> otherFunctions = {
       "rtcSetGeometryIntersectFunction", "rtcSetGeometryOccludedFunction", "rtcSetGeometryTransform",
       "rtcSetGeometryTransformQuaternion", "rtcGetGeometryTransform", "rtcGetGeometryTransformEx",
       "rtcGetGeometryTransformFromScene", "rtcGetGeometryTransformFromTraversable"}},
-    {"sets a function that is called for the application's own geometry only: substitutes have none",
-     {"rtcSetGeometryPointQueryFunction"}},
     {"apply to all that a scene contains",
      {"rtcSetSceneBuildQuality", "rtcSetSceneFlags", "rtcGetSceneFlags", "rtcGetSceneBounds", "rtcGetSceneLinearBounds",
       "rtcGetSceneTraversable"}},

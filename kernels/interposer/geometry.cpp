@@ -74,6 +74,7 @@ Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCG
     settings(settings) {
   input.type = type;
   input.original = original;
+  data->hasPointQueries = type != RTC_GEOMETRY_TYPE_SUBDIVISION;
   input.userData = &data->userData;
   REAL(rtcRetainGeometry)(original);
 }
@@ -150,6 +151,13 @@ void Substituted::buildSurface(const Progress& progress) {
     cbvhReleaseGroup(group);
     check(groupError);
   }
+  CbvhGroupStatistics statistics = CbvhGroupStatistics();
+  const CbvhError statisticsError = cbvhGetGroupStatistics(group, &statistics);
+  if (statisticsError != CBVH_OK) {
+    cbvhReleaseGroup(group);
+    check(statisticsError);
+  }
+  data->deviation = statistics.maxVertexDeviation;
   data->group = group;
 }
 

@@ -208,8 +208,8 @@ bool Objects::setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* g
   return true;
 }
 
-bool Objects::isSubstituted(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel,
-                            unsigned int geomID) {
+const SubstituteData* Objects::findSubstitute(RTCScene scene, const RTCPointQueryContext& context,
+                                              unsigned int firstLevel, unsigned int geomID) {
   const Lock lock(mutex);
   const Scene* inner = findOrNull(scenes, scene);
   for (unsigned int level = firstLevel; level < context.instStackSize && inner; level++) {
@@ -221,9 +221,11 @@ bool Objects::isSubstituted(RTCScene scene, const RTCPointQueryContext& context,
     const auto instance = inner->attachments.find(context.instID[level]);
     inner = instance == inner->attachments.end() ? nullptr : instance->second.geometry->instanced.find(instPrimID);
   }
-  if (!inner) return false;
+  if (!inner) return nullptr;
   const auto attached = inner->attachments.find(geomID);
-  return attached != inner->attachments.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
+  const bool isSubstituted =
+      attached != inner->attachments.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
+  return isSubstituted ? attached->second.geometry->substituted->data : nullptr;
 }
 
 } // namespace interposer

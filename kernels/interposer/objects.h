@@ -110,9 +110,11 @@ public:
    * one by the other, and false if nothing changes, or if another thread has detached the geometry. */
   bool setIsOriginal(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* True if Embree's geometry with this ID is a substitute. context: its instances from firstLevel on lead from `scene`
-   * to the scene with this geometry, outermost first. */
-  bool isSubstituted(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel, unsigned int geomID);
+  /* Returns the data of Embree's geometry with this ID, or NULL if it is no substitute. context: its instances from
+   * firstLevel on lead from `scene` to the scene with this geometry, outermost first. The result is valid until the
+   * scene is changed. */
+  const SubstituteData* findSubstitute(RTCScene scene, const RTCPointQueryContext& context, unsigned int firstLevel,
+                                       unsigned int geomID);
 
 private:
   /* Callers hold the mutex. */

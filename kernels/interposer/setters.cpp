@@ -264,6 +264,11 @@ RTC_API void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilte
   changeAppearance(geometry, [&](Substituted& changed) { changed.data->occludedFilter = filter; });
 }
 
+RTC_API void rtcSetGeometryPointQueryFunction(RTCGeometry geometry, RTCPointQueryFunction pointQuery) {
+  REAL(rtcSetGeometryPointQueryFunction)(geometry, pointQuery);
+  changeAppearance(geometry, [&](Substituted& changed) { changed.data->pointQuery = pointQuery; });
+}
+
 RTC_API void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable) {
   REAL(rtcSetGeometryEnableFilterFunctionFromArguments)(geometry, enable);
   changeAppearance(geometry, [&](Substituted& changed) { changed.data->usesArgumentFilter = enable; });

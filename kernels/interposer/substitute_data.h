@@ -21,6 +21,9 @@ struct SubstituteData {
   void* userData;       // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;
   bool usesArgumentFilter; // see rtcSetGeometryEnableFilterFunctionFromArguments
+  RTCPointQueryFunction pointQuery;
+  bool hasPointQueries; // Embree calls functions of point queries for geometries of this type
+  float deviation;      // largest distance by which a vertex was moved
 };
 
 /* One address range contains all SubstituteData, so that a comparison distinguishes them from an application's user

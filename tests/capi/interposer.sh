@@ -60,7 +60,7 @@ else
   interposer=$build/kernels/interposer/libembree_cbvh_interposer.so
 fi
 preload=LD_PRELOAD=$interposer
-for program in calls points collisions; do
+for program in calls nearest points collisions; do
   inside "g++ -std=c++17 $flags tests/interposer/$program.cpp -o $program -lembree4 -ldl" ||
     fail "$program does not compile"
 done
@@ -113,6 +113,13 @@ for use in $uses; do
     }
   grep -q 'compression: 1 subdivision surface' "$work/points.log" ||
     fail "no surface of the point queries is compressed ($use)"
+  inside "LD_PRELOAD=$libraries EMBREE_CBVH=1,verbose ./nearest $argument > nearest.log 2>&1" ||
+    {
+      cat "$work/nearest.log"
+      fail "closest points differ ($use)"
+    }
+  [ "$(grep -c ': 3600 quads' "$work/nearest.log")" -eq 6 ] ||
+    fail "not all of grids, quads and triangles of the closest points are compressed ($use)"
 done
 inside "$preload EMBREE_CBVH=1 ./calls hits" || fail "hits differ with the default precision"
 for reason in 'subdivision surface is left to Embree: RTC_SUBDIVISION_MODE_NO_BOUNDARY' 'its grids are so small' \
@@ -146,10 +153,10 @@ done
 inside "./early" || fail "the program with an early library fails without the interposer"
 inside "$preload EMBREE_CBVH=1 ./early" || fail "the program with an early library fails"
 
-# --- points, collisions: the interposer must hide primitives of compressed geometry -------------
-inside "./points" || fail "Embree's calls of point queries differ from those that the test expects"
-inside "$preload EMBREE_CBVH=1 ./points without-function 2>&1" | grep -q 'point queries.*triangles' ||
-  fail "a query that calls only functions of geometries is not reported"
+# --- points, collisions: the interposer must hide that surfaces are user geometry ---------------
+inside "./points" && inside "./nearest" ||
+  fail "Embree's calls of point queries differ from those that the test expects"
+inside "$preload EMBREE_CBVH=1 ./points without-function" || fail "a query without a function fails"
 inside "$preload EMBREE_CBVH=1 ./collisions" || fail "collisions differ"
 
 # --- pictures ------------------------------------------------------------------------------------

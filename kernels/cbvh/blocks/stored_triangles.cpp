@@ -302,16 +302,14 @@ public:
 private:
   void searchByPrimitive(const VertHeader* block, uint32_t primID) {
     tolerance = roundingBound(u) + roundingBound(v);
-    forEachTriangleOf(block, time, primID, [&](const float* const p[3], const float s[3], const float t[3]) {
-      addCandidate(p, s, t);
-    });
+    forEachTriangleOf(block, time, primID,
+                      [&](const float* const p[3], const float s[3], const float t[3]) { addCandidate(p, s, t); });
   }
 
   void searchMesh(const MeshHeader* block, uint32_t primID) {
     tolerance = roundingBound(u) + roundingBound(v);
-    forEachTriangleOf(block, time, primID, [&](const float* const p[3], const float s[3], const float t[3]) {
-      addCandidate(p, s, t);
-    });
+    forEachTriangleOf(block, time, primID,
+                      [&](const float* const p[3], const float s[3], const float t[3]) { addCandidate(p, s, t); });
   }
 
   /*! Header: VertHeader, or Block of cGRID. */
@@ -333,9 +331,8 @@ private:
     const uint32_t x0 = first(x[0] - margin[0]), x1 = last(x[0] + margin[0], position.quads[0]),
                    y0 = first(x[1] - margin[1]), y1 = last(x[1] + margin[1], position.quads[1]);
     tolerance = std::max(roundingBound(u) * position.patchQuads[0], roundingBound(v) * position.patchQuads[1]);
-    decoded.forEachTriangle(x0, x1, y0, y1, [&](const float* const p[3], const float s[3], const float t[3]) {
-      addCandidate(p, s, t);
-    });
+    decoded.forEachTriangle(
+        x0, x1, y0, y1, [&](const float* const p[3], const float s[3], const float t[3]) { addCandidate(p, s, t); });
   }
 
   /*! Bound of a parameter's rounding error: a few roundings of values of at most 1 + |parameter|. */

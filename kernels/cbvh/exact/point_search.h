@@ -219,9 +219,7 @@ private:
   }
 
   /*! Least float that is not below the query's radius. */
-  __forceinline float radiusAbove() const {
-    return float(std::sqrt(closest.squaredRadius)) * (1.0f + 2.0f * floatUlp);
-  }
+  __forceinline float radiusAbove() const { return float(std::sqrt(closest.squaredRadius)) * (1.0f + 2.0f * floatUlp); }
 
   /*! Tests triangles of a mask. Functions: placeOf(bit); triangleAt(place, bit); pointAt(place, sides). */
   template<typename Distances, typename PlaceOf, typename TriangleAt, typename PointAt>

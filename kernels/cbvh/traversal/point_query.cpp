@@ -67,9 +67,7 @@ private:
   bool isSphere() const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
   /*! Largest distanceOf() within reach. A call of the application's function may decrease it. Both are rounded. */
-  float maxDistance() const {
-    return isSphere() ? query->radius * query->radius * (1.0f + 16.0f * floatUlp) : 0.0f;
-  }
+  float maxDistance() const { return isSphere() ? query->radius * query->radius * (1.0f + 16.0f * floatUlp) : 0.0f; }
 
   /*! Distances of a node's children: squared for a sphere, otherwise to the query's box. */
   vfloat4 distanceOf(const BVH4::AABBNode* node) const {
@@ -150,9 +148,7 @@ private:
     return geometry->pointQuery(query, context);
   }
 
-  bool callForBlock(const MeshHeader* block) {
-    return callTriangles(beginBlock(block->surface), block);
-  }
+  bool callForBlock(const MeshHeader* block) { return callTriangles(beginBlock(block->surface), block); }
 
   /*! Returns the geometry of a block. */
   Geometry* beginBlock(uint32_t surface) {
