@@ -67,7 +67,9 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
   alignas(64) float packet[16 * 20] = {};
   size_t index = 0;
   unsigned primID = 0;
-  float P[3], lower[3], upper[3];
+  float P[3] = {}, lower[3], upper[3];
+  const CbvhPointQuery point = CbvhPointQuery();
+  CbvhClosestPoint closest;
   const auto part = [](void*, const CbvhPart*) { return 1; };
   const Folder folder;
   CbvhFileWriter writer = nullptr, noWriter = nullptr;
@@ -174,6 +176,12 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction) {
       {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, &index, nullptr); }},
       {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 6, &index, &primID); }},
       {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, ~0u, &index, &primID); }},
+      {"cbvhPointQuery", [&] { return cbvhPointQuery(nullptr, &point, nullptr); }},
+      {"cbvhPointQuery", [&] { return cbvhPointQuery(group, nullptr, nullptr); }},
+      {"cbvhFindClosestPoint", [&] { return cbvhFindClosestPoint(nullptr, 0, 0, P, 1, &closest); }},
+      {"cbvhFindClosestPoint", [&] { return cbvhFindClosestPoint(surface, 0, 0, nullptr, 1, &closest); }},
+      {"cbvhFindClosestPoint", [&] { return cbvhFindClosestPoint(surface, 0, 0, P, 1, nullptr); }},
+      {"cbvhFindClosestPoint", [&] { return cbvhFindClosestPoint(surface, 0, 6, P, INFINITY, &closest); }},
       {"cbvhIntersect1", [&] { return cbvhIntersect1(nullptr, &r, nullptr); }},
       {"cbvhIntersect1", [&] { return cbvhIntersect1(group, nullptr, nullptr); }},
       {"cbvhOccluded1", [&] { return cbvhOccluded1(nullptr, &r.ray, nullptr); }},

@@ -182,6 +182,12 @@ struct StructSizes : ::testing::Test {
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(false)));
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(true)));
+    cases.push_back(caseOf<CbvhPointQuery>("CbvhPointQuery", false, {sizeof(CbvhPointQuery), 0, 0, 5, 0, INFINITY},
+                                           [=](CbvhPointQuery* query) {
+                                             reported.clear();
+                                             EXPECT_EQ(cbvhPointQuery(group, query, nullptr) != 0, reported.empty());
+                                             return reported;
+                                           }));
     const auto packet = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
         reported.clear();
@@ -355,6 +361,7 @@ TEST(DefaultMemberInitializers, SetAllMembers) {
   zeros(CbvhInterpolationPoints());
   zeros(CbvhGroupStatistics());
   zeros(CbvhQuery());
+  zeros(CbvhPointQuery());
   zeros(CbvhClusterStatistics());
   zeros(RTCCompressionStatistics());
   zeros(CbvhFileSurfaceInfo());

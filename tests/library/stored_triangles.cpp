@@ -212,6 +212,60 @@ TEST(StoredTriangles, VerticesBetweenTimeStepsAreRoundedAsByTraversal) {
   EXPECT_GT(numComparisons, 0u) << "the default is one of the ISAs";
 }
 
+// Point queries call for faces, whose closest points bound the radius. Embree has no point queries for cages.
+TEST(StoredTriangles, PointQueriesFindTheClosestFaces) {
+  Device device;
+  Random random(64);
+  Displacement displacement;
+  displacement.amplitude = 0.1;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = 20;
+  for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE}) {
+    settings.compression = compression;
+    Scene scene(device);
+    addSurface(device, scene, cubeCage(), settings);
+    rtcCommitScene(scene);
+    const RTCGeometry geometry = rtcGetGeometry(scene, 0);
+    struct Search {
+      RTCGeometry geometry;
+      float p[3];
+      unsigned calls;
+      CbvhClosestPoint closest;
+    };
+    const RTCPointQueryFunction visit = [](RTCPointQueryFunctionArguments* args) {
+      Search& search = *(Search*)args->userPtr;
+      search.calls++;
+      if (!OF_LIBEMBREE3(cbvhFindClosestPoint)(SurfaceOfGeometry(search.geometry), 0, args->primID, search.p,
+                                               args->query->radius, &search.closest))
+        return false;
+      args->query->radius = search.closest.distance;
+      return true;
+    };
+    unsigned calls = 0;
+    for (int i = 0; i < 100; i++) {
+      Search search = {geometry, {}, 0, CbvhClosestPoint()};
+      for (float& x : search.p) x = float(random.uniform(-2, 2));
+      RTCPointQuery query = {search.p[0], search.p[1], search.p[2], 0, INFINITY};
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      ASSERT_TRUE(rtcPointQuery(scene, &query, &context, visit, &search));
+      float nearest = INFINITY;
+      for (unsigned primID = 0; primID < 6; primID++) {
+        CbvhClosestPoint ofFace;
+        ASSERT_TRUE(
+            OF_LIBEMBREE3(cbvhFindClosestPoint)(SurfaceOfGeometry(geometry), 0, primID, search.p, INFINITY, &ofFace));
+        nearest = std::min(nearest, ofFace.distance);
+      }
+      ASSERT_EQ(search.closest.distance, nearest);
+      ASSERT_EQ(query.radius, nearest);
+      calls += search.calls;
+    }
+    EXPECT_LT(calls, 100u * 12) << "most of the 24 blocks are too far away";
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 TEST(StoredTriangles, ManyThreadsReadThem) {
   Device device;
   Scene scene(device);
