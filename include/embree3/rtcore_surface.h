@@ -63,4 +63,16 @@ RTC_API CbvhSurface rtcNewSurfaceFromGeometry(RTCGeometry geometry);
  * RTC_ERROR_INVALID_OPERATION for a surface that is not committed. Thread safety: as rtcNewGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromSurface(RTCDevice device, CbvhSurface surface);
 
+/* Finds the closest point of the compressed geometries of a scene. Arguments and results are those of cbvhPointQuery;
+ * geomID is that of the geometry in the scene.
+ *
+ * scene: committed.
+ *
+ * Returns true if a point was found and accepted.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and as cbvhPointQuery. RTC_ERROR_INVALID_OPERATION for a scene that is
+ * not committed, and if a geometry within the radius is not compressed as cTILE or cVERT, or is in an instance: use
+ * rtcPointQuery for such scenes. Thread safety: as rtcPointQuery. */
+RTC_API bool rtcFindClosestPoint(RTCScene scene, const struct CbvhPointQuery* query, struct CbvhClosestPoint* closest);
+
 RTC_NAMESPACE_END

@@ -6,6 +6,7 @@
 
 #define RTC_EXPORT_API
 
+#include "points.h"
 #include "surface.h"
 
 #include "cbvh/operations/device.h"
@@ -16,13 +17,14 @@ using namespace embree::capi;
 
 namespace {
 
-/* Returns closure(), or NULL after an exception, which it reports to the device, or to the thread if it is NULL. */
+/* Returns closure(), or NULL or false after an exception, which it reports to the device, or to the thread if it is
+ * NULL. */
 template<typename Closure>
 auto reportingTo(RTCDevice device, const Closure& closure) -> decltype(closure()) {
   try {
     return closure();
   } catch (...) { raise(device, caughtFailure()); }
-  return nullptr;
+  return {};
 }
 
 } // namespace
@@ -57,6 +59,14 @@ RTC_API RTCGeometry rtcNewGeometryFromSurface(RTCDevice device, CbvhSurface surf
       rtcSetGeometryUserData(input->geometry, nullptr); // the displacement function is not called again
     rtcRetainGeometry(input->geometry);
     return input->geometry;
+  });
+}
+
+RTC_API bool rtcFindClosestPoint(RTCScene scene, const CbvhPointQuery* query, CbvhClosestPoint* closest) {
+  const RTCDevice device = scene ? (RTCDevice)embree::core::deviceOf((embree::Scene*)scene) : nullptr;
+  return reportingTo(device, [&] {
+    require(scene && query, "scene or query is NULL");
+    return queryPoint(scene, query, closest);
   });
 }
 

@@ -23,23 +23,32 @@ bool callFunction(void* queryPtr, const embree::cbvh::PointOnSurface& found, flo
 
 } // namespace
 
+namespace embree::capi {
+
+bool queryPoint(RTCScene scene, const CbvhPointQuery* query, CbvhClosestPoint* closest) {
+  CbvhPointQuery read = core::readStruct(query);
+  const float p[3] = {read.x, read.y, read.z};
+  checkPoint(p, read.radius);
+  cbvh::PointOnSurface found;
+  const bool isFound = core::findClosestPoint((Scene*)scene, p, read.time, read.radius,
+                                              read.function ? callFunction : nullptr, &read, found);
+  if (isFound && closest) *closest = toPublic(found);
+  return isFound;
+}
+
+} // namespace embree::capi
+
 int cbvhPointQuery(CbvhGroup group, const CbvhPointQuery* query, CbvhClosestPoint* closest) {
   if (!group || !query) {
     embree::capi::rejectArgument("group or query is NULL");
     return 0;
   }
-  int isFound = 0;
+  bool isFound = false;
   embree::capi::guarded(group->context.get(), [&] {
-    CbvhPointQuery read = embree::core::readStruct(query);
-    const float p[3] = {read.x, read.y, read.z};
-    embree::capi::checkPoint(p, read.radius);
     if (!group->wasCommitted)
       throw embree::capi::Failure{CBVH_ERROR_INVALID_OPERATION,
                                   "the group is not committed: call cbvhCommitGroup first"};
-    embree::cbvh::PointOnSurface found;
-    isFound = embree::core::findClosestPoint((embree::Scene*)group->scene, p, read.time, read.radius,
-                                             read.function ? callFunction : nullptr, &read, found);
-    if (isFound && closest) *closest = embree::capi::toPublic(found);
+    isFound = embree::capi::queryPoint(group->scene, query, closest);
   });
   return isFound;
 }

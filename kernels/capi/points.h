@@ -31,4 +31,7 @@ inline void checkPoint(const float p[3], float radius) {
   require(radius >= 0, "the radius is negative or NaN: expected at least 0");
 }
 
+/* Runs cbvhPointQuery in a scene. Throws Failure or an error of the kernels. */
+bool queryPoint(RTCScene scene, const CbvhPointQuery* query, CbvhClosestPoint* closest);
+
 }} // namespace embree::capi

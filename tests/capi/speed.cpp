@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Rays per second of one thread on a displaced cube: through the user geometry of the surrounding Embree, by
- * libembree_cbvh's own functions, on Embree's subdivision surface, and from a file. Prints medians of interleaved runs.
+ * libembree_cbvh's own functions, on Embree's subdivision surface, and from a file. Closest points per second, also of
+ * Embree's triangles. Prints medians of interleaved runs.
  * capi_speed [--rays N] [--rate R] [--turns N] */
 
 #include "host.h"
@@ -96,6 +97,139 @@ void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count
   }
   cbvhReleaseSurface(made);
   cbvhReleaseSurface(opened);
+}
+
+/* The triangles of a surface as a mesh of Embree, and its closest points by a function of the program. */
+class Triangles {
+public:
+  Triangles(RTCDevice device, CbvhSurface surface) : scene(rtcNewScene(device)) {
+    const auto add = [](void* self, const CbvhPart* part) {
+      Triangles& to = *(Triangles*)self;
+      const unsigned first = unsigned(to.vertices.size());
+      for (unsigned i = 0; i < part->width * part->height; i++)
+        to.vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
+      for (unsigned y = 0; y + 1 < part->height; y++)
+        for (unsigned x = 0; x + 1 < part->width; x++) {
+          const unsigned a = first + y * part->width + x, b = a + 1, c = a + part->width, d = c + 1;
+          to.indices.insert(to.indices.end(), {a, b, c, c, b, d});
+        }
+      return 1;
+    };
+    OK(cbvhForEachPart(surface, 0, add, this));
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const size_t numVertices = vertices.size();
+    vertices.push_back({0, 0, 0}); // padding
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12,
+                               numVertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0, 12,
+                               indices.size() / 3);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+  }
+  ~Triangles() { rtcReleaseScene(scene); }
+  Triangles(const Triangles&) = delete;
+  Triangles& operator=(const Triangles&) = delete;
+
+  float distance(const Vec& p) const {
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    RTCPointQuery query = {p[0], p[1], p[2], 0, INFINITY};
+    rtcPointQuery(scene, &query, &context, decreaseRadius, (void*)this);
+    return query.radius;
+  }
+
+private:
+  static float dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  static Vec along(const Vec& a, float t, const Vec& b) { return {a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]}; }
+
+  static bool decreaseRadius(RTCPointQueryFunctionArguments* args) {
+    const Triangles& self = *(const Triangles*)args->userPtr;
+    const unsigned* const corners = &self.indices[3 * args->primID];
+    const Vec p = {args->query->x, args->query->y, args->query->z};
+    const Vec offset = along(p, -1, self.closest(p, corners));
+    const float distance = std::sqrt(dot(offset, offset));
+    if (!(distance < args->query->radius)) return false;
+    args->query->radius = distance;
+    return true;
+  }
+
+  /* By the regions of Ericson, Real-Time Collision Detection, section 5.1.5. */
+  Vec closest(const Vec& p, const unsigned* corners) const {
+    const Vec &a = vertices[corners[0]], &b = vertices[corners[1]], &c = vertices[corners[2]];
+    const Vec ab = along(b, -1, a), ac = along(c, -1, a), ap = along(p, -1, a), bp = along(p, -1, b),
+              cp = along(p, -1, c);
+    const float d1 = dot(ab, ap), d2 = dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return a;
+    const float d3 = dot(ab, bp), d4 = dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return b;
+    const float d5 = dot(ab, cp), d6 = dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return c;
+    const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return along(a, d1 / (d1 - d3), ab);
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return along(a, d2 / (d2 - d6), ac);
+    if (va <= 0 && d4 >= d3 && d5 >= d6) return along(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), along(c, -1, b));
+    return along(along(a, vb / (va + vb + vc), ab), vc / (va + vb + vc), ac);
+  }
+
+  const RTCScene scene;
+  std::vector<Vec> vertices;
+  std::vector<unsigned> indices;
+};
+
+/* Closest points of a surface as cTILE and as cVERT, and of its triangles in Embree. */
+void measurePoints(RTCDevice device, float rate, size_t count, unsigned turns) {
+  CbvhContext contexts[2];
+  OK(cbvhNewContext(nullptr, nullptr, nullptr, &contexts[0]));
+  OK(cbvhNewContext("subdiv_accel=cbvh.vert", nullptr, nullptr, &contexts[1]));
+  {
+    const Group tiles(contexts[0], rate), blocks(contexts[1], rate);
+    const Triangles triangles(device, cbvhGetGroupSurface(tiles, 0));
+    std::mt19937 random(4);
+    std::normal_distribution<float> normal;
+    const std::vector<RTCRayHit> hits = randomRays(random, count, false);
+    std::printf("\n| closest points, million per second | Embree's triangles | cTILE | cVERT | cTILE/Embree's | "
+                "cVERT/Embree's |\n|:--|--:|--:|--:|--:|--:|\n");
+    const auto ours = [](CbvhGroup group) {
+      return [group](std::vector<RTCRayHit>& points) {
+        for (RTCRayHit& r : points) {
+          CbvhPointQuery query = CbvhPointQuery();
+          query.x = r.ray.org_x;
+          query.y = r.ray.org_y;
+          query.z = r.ray.org_z;
+          query.radius = INFINITY;
+          CbvhClosestPoint closest;
+          cbvhPointQuery(group, &query, &closest);
+          r.ray.tfar = closest.distance;
+        }
+      };
+    };
+    const auto theirs = [&](std::vector<RTCRayHit>& points) {
+      for (RTCRayHit& r : points) r.ray.tfar = triangles.distance({r.ray.org_x, r.ray.org_y, r.ray.org_z});
+    };
+    for (const float distance : {0.003f, 0.1f, 3.0f}) {
+      std::vector<RTCRayHit> points;
+      for (const RTCRayHit& ray : hits) {
+        CbvhRayHit r;
+        std::memcpy(&r, &ray, sizeof(r));
+        if (!cbvhIntersect1(tiles, &r, nullptr)) continue;
+        RTCRayHit point = ray;
+        point.ray.org_x += r.ray.tfar * r.ray.dir_x + distance * normal(random);
+        point.ray.org_y += r.ray.tfar * r.ray.dir_y + distance * normal(random);
+        point.ray.org_z += r.ray.tfar * r.ray.dir_z + distance * normal(random);
+        points.push_back(point);
+      }
+      std::vector<RTCRayHit> a = points, b = points;
+      theirs(a);
+      ours(tiles)(b);
+      for (size_t i = 0; i < a.size(); i++) CHECK(std::fabs(a[i].ray.tfar - b[i].ray.tfar) <= 1e-5f * (1 + distance));
+      char what[32];
+      std::snprintf(what, sizeof(what), "%g from the surface", double(distance));
+      measure(what, points, {{"", theirs, {}}, {"", ours(tiles), {}}, {"", ours(blocks), {}}}, turns, true);
+    }
+  }
+  for (CbvhContext context : contexts) cbvhReleaseContext(context);
 }
 
 } // namespace
@@ -214,6 +348,7 @@ int main(int argc, char** argv) {
               {{"", alone, {}}, {"", single(asOne), {}}, {"", single(asMany), {}}}, turns, true);
   }
   measureFile(device, context, rate, count, turns);
+  measurePoints(device, rate, count, turns);
   rtcReleaseDevice(device);
   cbvhReleaseContext(context);
   return failures ? 1 : 0;

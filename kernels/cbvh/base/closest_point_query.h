@@ -15,26 +15,26 @@ namespace embree::cbvh {
 struct ClosestPointQuery : public PointQueryContext {
   /*! query: its radius is the largest distance. function: null accepts all points. */
   ClosestPointQuery(Scene* scene, PointQuery* query, RTCPointQueryContext* user, PointFunction function, void* userPtr)
-    : PointQueryContext(scene, query, POINT_QUERY_TYPE_SPHERE, mark, user, 1.0f, nullptr),
+    : PointQueryContext(scene, query, POINT_QUERY_TYPE_SPHERE, mark, user, 1.0f, this),
       function(function),
       functionPtr(userPtr),
       squaredRadius(double(query->radius) * query->radius) {}
 
-  /*! Null for a point query of an application. */
+  /*! Null for a point query of an application. In instances, `context` is another object. */
   static ClosestPointQuery* of(PointQueryContext* context) {
-    return context->func == mark ? static_cast<ClosestPointQuery*>(context) : nullptr;
+    return context->func == mark ? (ClosestPointQuery*)context->userPtr : nullptr;
   }
 
   const PointFunction function;
   void* const functionPtr;
   double squaredRadius;
   bool isFound = false;
-  bool hasOtherLeaves = false; //!< leaves within the radius have no stored triangles
-  PointOnSurface closest;      //!< if isFound
-  TriangleKey key;             //!< of `closest`
+  bool hasOthers = false; //!< geometries within the radius have no stored triangles, or are in instances
+  PointOnSurface closest; //!< if isFound
+  TriangleKey key;        //!< of `closest`
 
 private:
-  /*! Value of `func`. Embree calls it for primitives of its own. */
+  /*! Value of `func`. Embree calls it for primitives of its own; sets hasOthers. */
   static bool mark(RTCPointQueryFunctionArguments*);
 };
 } // namespace embree::cbvh

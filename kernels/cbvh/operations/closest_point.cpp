@@ -5,19 +5,24 @@
 #include "../base/closest_point_query.h"
 
 namespace embree {
-bool cbvh::ClosestPointQuery::mark(RTCPointQueryFunctionArguments*) { return false; }
+bool cbvh::ClosestPointQuery::mark(RTCPointQueryFunctionArguments* args) {
+  ((ClosestPointQuery*)args->userPtr)->hasOthers = true;
+  return false;
+}
 
 bool core::findClosestPoint(Scene* scene, const float p[3], float time, float radius, cbvh::PointFunction function,
                             void* userPtr, cbvh::PointOnSurface& closest) {
+  if (scene->isModified()) throw_RTCError(RTC_ERROR_INVALID_OPERATION, "the scene is not committed");
   PointQuery query(Vec3fa(p[0], p[1], p[2]), radius, time);
   RTCPointQueryContext user;
   rtcInitPointQueryContext(&user);
   cbvh::ClosestPointQuery context(scene, &query, &user, function, userPtr);
   scene->intersectors.pointQuery(&query, &context);
   if (context.isFound) closest = context.closest;
-  if (context.hasOtherLeaves)
+  if (context.hasOthers)
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                   "a surface near the point has no stored triangles: expected cTILE or cVERT");
+                   "a geometry within the radius has no stored triangles, or is in an instance: expected geometry that "
+                   "is compressed as cTILE or cVERT");
   return context.isFound;
 }
 } // namespace embree

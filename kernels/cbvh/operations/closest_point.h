@@ -13,8 +13,8 @@ class Scene;
 namespace core {
 /*! As cbvhPointQuery: finds the point of stored triangles that is closest to p. radius: largest distance. function:
  *  null, or called with the closest point of each triangle within the radius. closest: written if a point is found.
- *  Throws RTC_ERROR_INVALID_OPERATION if surfaces within the radius have no triangles; points of others were found.
- *  Surfaces in instances are not searched. The scene must be committed. */
+ *  Throws RTC_ERROR_INVALID_OPERATION if the scene is not committed, or if geometries within the radius have no stored
+ *  triangles or are in instances; `closest` was then written for the others. */
 bool findClosestPoint(Scene* scene, const float p[3], float time, float radius, cbvh::PointFunction function,
                       void* userPtr, cbvh::PointOnSurface& closest);
 } // namespace core

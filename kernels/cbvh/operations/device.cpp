@@ -15,6 +15,8 @@ Device* newDevice(const char* deviceString) {
 
 Device* deviceOf(Geometry* geometry) { return geometry->device; }
 
+Device* deviceOf(Scene* scene) { return scene->device; }
+
 unsigned numPrimitives(Geometry* geometry) { return geometry->size(); }
 
 void raiseError(Device* device, RTCError code, const char* text) { Device::process_error(device, code, text); }

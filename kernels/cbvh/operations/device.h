@@ -8,6 +8,7 @@
 namespace embree {
 class Device;
 class Geometry;
+class Scene;
 
 namespace core {
 /*! As rtcNewDevice, but throws the reason of a failure; rtcNewDevice keeps only its code. Errors:
@@ -16,8 +17,9 @@ namespace core {
  *  call it at any time. */
 Device* newDevice(const char* deviceString);
 
-/*! Returns the device of a geometry. */
+/*! Returns the device of a geometry or scene. */
 Device* deviceOf(Geometry* geometry);
+Device* deviceOf(Scene* scene);
 
 /*! Returns the number of faces, grids, quads or triangles of a geometry. */
 unsigned numPrimitives(Geometry* geometry);

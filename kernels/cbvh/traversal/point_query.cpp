@@ -33,6 +33,7 @@ public:
   /*! Visits the leaves of a tree, nearest children first. Returns true if a call changed the query. */
   bool operator()(const BVH4* bvh) {
     if (bvh->root == BVH4::emptyNode) return false;
+    if (closest && closest != context) return skipLeaf(); // in an instance
     bool changed = false;
     Item stack[1 + 3 * BVH4::maxDepth];
     size_t n = 0;
@@ -136,7 +137,7 @@ private:
 
   /*! A leaf without triangles that can be searched. */
   bool skipLeaf() {
-    if (closest) closest->hasOtherLeaves = true;
+    if (closest) closest->hasOthers = true;
     return false;
   }
 
