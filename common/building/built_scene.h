@@ -101,6 +101,9 @@ public:
   /* Saves a compressed scene (saved_scene.h). Replaces the file only on success. Throws Error. */
   void save(const std::string& path) const;
 
+  /* Throws Error if Embree has reported an error. */
+  void check() const override { device->check("tracing"); }
+
   /* Hits on NAIVE's triangles are converted to faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 

@@ -387,10 +387,10 @@ TEST_P(ClosestPoints, FunctionsSelectPoints) {
   ASSERT_NO_FATAL_FAILURE(build(surfaces, {"several", 1, false}));
   const std::vector<Triangle> triangles = surfaces.trianglesAt(0);
   Random random(43);
+  constexpr size_t count = 5;
   struct Search {
     const Surfaces* surfaces;
     std::multiset<double> distances;
-    static constexpr size_t count = 5;
   };
   for (int i = 0; i < 60; i++) {
     CbvhPointQuery query = queryAt(randomPoint(random, triangles), 0, INFINITY);
@@ -404,14 +404,14 @@ TEST_P(ClosestPoints, FunctionsSelectPoints) {
       const CbvhPointQuery inner = queryAt({args->point->x, args->point->y, args->point->z}, 0, INFINITY);
       cbvhPointQuery(search.surfaces->group, &inner, nullptr);
       search.distances.insert(args->point->distance);
-      if (search.distances.size() > Search::count) search.distances.erase(std::prev(search.distances.end()));
-      if (search.distances.size() == Search::count) args->radius = float(*search.distances.rbegin());
+      if (search.distances.size() > count) search.distances.erase(std::prev(search.distances.end()));
+      if (search.distances.size() == count) args->radius = float(*search.distances.rbegin());
       return 0;
     };
     cbvhPointQuery(surfaces.group, &query, nullptr);
     std::multiset<double> expected;
     for (const Triangle& t : triangles) expected.insert(t.distance(p));
-    ASSERT_EQ(search.distances.size(), size_t(Search::count));
+    ASSERT_EQ(search.distances.size(), size_t(count));
     auto e = expected.begin();
     for (double distance : search.distances) {
       ASSERT_NEAR(distance, *e, 2e-7 * *e + 1e-13);

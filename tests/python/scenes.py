@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes in every representation are hit at the right positions, with rays in arrays of any kind."""
 
+import tempfile
 import unittest
 
 import numpy as np
@@ -51,6 +52,66 @@ class Hits(unittest.TestCase):
         np.testing.assert_allclose(cbvh.nearer_hits(near, far).t, [1, 2, 4], atol=1e-5)
         with self.assertRaisesRegex(ValueError, "b: .* 1 .* 3"):
             cbvh.nearer_hits(near, scene.intersect([0.5, 0.5, 2], [0, 0, -1]))
+
+
+class ClosestPoints(unittest.TestCase):
+    def test_equal_those_of_the_stored_triangles(self):
+        scene = cbvh.build(bumpy_model(), "ctile", 4)
+        mesh = scene.stored_mesh()
+        corners = mesh["vertices"][mesh["quads"][:, [[0, 1, 3], [1, 2, 3]]].reshape(-1, 3)].astype(np.float64)
+        primitives = np.repeat(mesh["primID"], 2)
+        rng = np.random.default_rng(5)
+        points = rng.uniform(-0.5, 1.5, (20, 2, 3))
+        positions, hits = scene.closest_points(points)
+        self.assertEqual(positions.shape, (20, 2, 3))
+        self.assertEqual(hits.shape, (20, 2))
+        for index in np.ndindex(20, 2):
+            distances = distances_to_triangles(points[index].astype(np.float32), corners)
+            self.assertAlmostEqual(hits.t[index], distances.min(), delta=1e-6)
+            self.assertAlmostEqual(hits.t[index], np.linalg.norm(positions[index] - points[index]), delta=1e-5)
+            self.assertAlmostEqual(distances[primitives == hits.primID[index]].min(), distances.min(), delta=1e-9)
+
+    def test_radius_time_and_files(self):
+        scene = cbvh.build(rising_model(), "cvert", 4)
+        positions, hits = scene.closest_points([0.5, 0.5, 1], [2, 0.7, 0.4], time=[0, 0.6, 1])
+        self.assertEqual(hits.hit.tolist(), [True, True, False])
+        np.testing.assert_allclose(hits.t[:2], [1, 0.7], atol=1e-5)
+        np.testing.assert_allclose(positions, [[0.5, 0.5, 0], [0.5, 0.5, 0.3], [np.nan] * 3], atol=1e-5)
+        with tempfile.TemporaryDirectory() as folder:
+            scene.save(folder + "/sheet")
+            again, same = cbvh.load(folder + "/sheet").closest_points([0.5, 0.5, 1], 2)
+        np.testing.assert_array_equal(again, positions[0])
+        self.assertEqual(same.t, hits.t[0])
+
+    def test_errors(self):
+        scene = cbvh.build(sheet(), "ctile", 3)
+        with self.assertRaisesRegex(ValueError, "radius"):
+            scene.closest_points([0, 0, 0], -1)
+        with self.assertRaisesRegex(ValueError, "points"):
+            scene.closest_points([0, 0])
+        with self.assertRaisesRegex(cbvh.Error, "coordinate nan"):
+            scene.closest_points([0, np.nan, 0])
+        with self.assertRaisesRegex(cbvh.Error, "cTILE or cVERT"):
+            cbvh.build(sheet(), "grid", 3).closest_points([0, 0, 0])
+
+
+def distances_to_triangles(point, corners):
+    """Of (n, 3, 3) triangles: the least distance of edges and, where the projection is inside, of the plane."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+
+    def of_edge(begin, end):
+        edge = end - begin
+        at = np.einsum("ij,ij->i", point - begin, edge) / np.maximum(np.einsum("ij,ij->i", edge, edge), 1e-300)
+        return np.linalg.norm(begin + np.clip(at, 0, 1)[:, None] * edge - point, axis=1)
+
+    normal = np.cross(b - a, c - a)
+    area = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
+    inside = np.ones(len(a), bool)
+    for begin, end in ((a, b), (b, c), (c, a)):
+        inside &= np.einsum("ij,ij->i", np.cross(end - begin, point - begin), normal) >= 0
+    height = np.abs(np.einsum("ij,ij->i", point - a, normal)) / np.sqrt(area)
+    edges = np.minimum(np.minimum(of_edge(a, b), of_edge(b, c)), of_edge(c, a))
+    return np.where(inside, np.minimum(height, edges), edges)
 
 
 def rising_model(poses=1):

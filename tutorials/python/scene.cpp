@@ -3,6 +3,7 @@
 
 #include "camera.h"
 #include "classes.h"
+#include "closest_points.h"
 #include "hits.h"
 #include "interruptible.h"
 #include "json_objects.h"
@@ -176,6 +177,16 @@ double traceSeconds(const Traced& scene, const py::object& origins, const py::ob
   });
 }
 
+py::tuple closestPointsOf(const Scene& scene, const py::object& points, const py::object& radius,
+                          const py::object& time, int threads) {
+  const Representation& representation = scene.built.representation();
+  if (!representation.isExact())
+    throw Error("finding closest points: " + representation.label() +
+                " stores no triangles that can be searched: expected cTILE or cVERT");
+  return closestPoints(scene.built, scene.model->cage.numFaces(), scene.model->numFaces(), points, radius, time,
+                       threadsOf(threads));
+}
+
 Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size) {
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
@@ -210,6 +221,12 @@ Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const 
     const size_t facesPerCopy = scene.saved.facesPerCopy(), faces = facesPerCopy * scene.saved.geometries().size();
     return Hits{std::move(rays.shape), std::move(hits), facesPerCopy, faces};
   });
+}
+
+py::tuple closestPointsOfLoaded(const LoadedScene& scene, const py::object& points, const py::object& radius,
+                                const py::object& time, int threads) {
+  const size_t facesPerCopy = scene.saved.facesPerCopy(), faces = facesPerCopy * scene.saved.geometries().size();
+  return closestPoints(scene.saved, facesPerCopy, faces, points, radius, time, threadsOf(threads));
 }
 
 Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pair<int, int> size) {
@@ -368,6 +385,20 @@ Raises ValueError or TypeError for invalid arguments, and Error if a block of a 
 constexpr const char* occludedText =
     R"(Returns (...) bool: True if the ray hits anything. Arguments and errors as in intersect.)";
 
+constexpr const char* closestText = R"(Finds the closest point of the surface for each point.
+
+points: (..., 3), world units.
+radius: (...), largest distance, may be inf.
+time: (...), 0 to 1, for models that move.
+threads: 0 for all.
+
+Returns two results: positions, (..., 3) float32, the closest points in world units, NaN where none is within the
+radius; and Hits, in which t is the distance, inf where there is none. Arguments are broadcast by NumPy's rules. Only
+for ctile and cvert, whose stored triangles are searched. Ctrl-C stops the call.
+
+Raises ValueError or TypeError for invalid arguments, and Error for other representations, or if a block of a loaded
+file is damaged.)";
+
 constexpr const char* secondsText = R"(Traces the rays and returns the time of one pass in seconds.
 
 The time is processor time for one thread and wall-clock time for several. It is measured in C++ and includes filling
@@ -468,6 +499,8 @@ void defineScene(py::module_& module) {
            py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
       .def("occluded", &occluded<Scene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
            py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
+      .def("closest_points", &closestPointsOf, arg("points"), arg("radius") = infinity, py::kw_only(),
+           arg("time") = zero, arg("threads") = 0, closestText)
       .def("trace_seconds", &traceSeconds<Scene>, arg("origins"), arg("directions"), py::kw_only(),
            arg("query") = "closest", arg("mode") = "single", arg("coherent") = false, arg("threads") = 1,
            arg("passes") = 1, secondsText)
@@ -503,6 +536,8 @@ void defineScene(py::module_& module) {
            arg("tfar") = infinity, py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
       .def("occluded", &occluded<LoadedScene>, arg("origins"), arg("directions"), arg("tnear") = zero,
            arg("tfar") = infinity, py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
+      .def("closest_points", &closestPointsOfLoaded, arg("points"), arg("radius") = infinity, py::kw_only(),
+           arg("time") = zero, arg("threads") = 0, closestText)
       .def("trace_seconds", &traceSeconds<LoadedScene>, arg("origins"), arg("directions"), py::kw_only(),
            arg("query") = "closest", arg("mode") = "single", arg("coherent") = false, arg("threads") = 1,
            arg("passes") = 1, secondsText)

@@ -1,0 +1,19 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Closest points of scenes, for arrays of points. */
+
+#include "hits.h"
+
+#include "building/traced_scene.h"
+
+namespace programs::python {
+
+/* Arguments as for Scene.closest_points, except for `threads`, which is at least 1. Returns positions and Hits. faces:
+ * of the model. */
+py::tuple closestPoints(const TracedScene& scene, size_t facesPerCopy, size_t faces, const py::object& points,
+                        const py::object& radius, const py::object& time, unsigned threads);
+
+} // namespace programs::python
