@@ -59,7 +59,8 @@ public:
 
   /*! False for triangles that are farther. True if a number is not finite. */
   __forceinline vboolV mayBeWithin(float distance) const {
-    return !(least > length * (vfloatV(distance * (1.0f + 16.0f * floatUlp)) + slack));
+    // Embree's `<` is false for NaN, its `>` is true
+    return !(length * (vfloatV(distance * (1.0f + 16.0f * floatUlp)) + slack) < least);
   }
 
   vfloatV squared; //!< square of the distance, roughly
