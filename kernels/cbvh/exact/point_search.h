@@ -273,7 +273,7 @@ private:
     const WideNormal<double> normal = normalOf(triangle);
     for (int k = 0; k < 3; k++) {
       const double(&v)[3] = triangle.at[k];
-      point.p[k] = float(v[0] + at.w1 * (v[1] - v[0]) + at.w2 * (v[2] - v[0]));
+      point.p[k] = float(v[0] + product(at.w1, v[1] - v[0]) + product(at.w2, v[2] - v[0]));
       point.Ng[k] = float(normal.at[k]);
     }
     point.distance = float(std::sqrt(at.squared));

@@ -4,7 +4,8 @@
 #pragma once
 
 /* The point of a triangle that is closest to a given point, in double precision. Vertices are floats, so that their
- * differences have no or little rounding. The closest point is that of an edge, or the projection to the plane. */
+ * differences have no or little rounding. The closest point is that of an edge, or the projection to the plane. No
+ * product is fused with a sum: results do not depend on the instruction set. */
 
 #include "../portable/language.h"
 
@@ -22,11 +23,14 @@ struct Vector {
 };
 inline Vector operator-(const Vector& a, const Vector& b) { return Vector{a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vector along(const Vector& a, double t, const Vector& b) {
-  return Vector{a.x + t * b.x, a.y + t * b.y, a.z + t * b.z};
+  return Vector{a.x + product(t, b.x), a.y + product(t, b.y), a.z + product(t, b.z)};
 }
-inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double dot(const Vector& a, const Vector& b) {
+  return product(a.x, b.x) + product(a.y, b.y) + product(a.z, b.z);
+}
 inline Vector cross(const Vector& a, const Vector& b) {
-  return Vector{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  return Vector{product(a.y, b.z) - product(a.z, b.y), product(a.z, b.x) - product(a.x, b.z),
+                product(a.x, b.y) - product(a.y, b.x)};
 }
 
 /*! Position, 0 to 1, of the point of an edge that is closest to the origin. */
@@ -63,7 +67,7 @@ inline PointOfTriangle closestPointOfTriangle(const double p[3], const double (&
   const double nn = dot(n, n);
   if (nn > 0) {
     const double w1 = dot(n, cross(ac, a)) / nn, w2 = dot(n, cross(a, ab)) / nn, height = dot(a, n);
-    if (w1 >= 0 && w2 >= 0 && w1 + w2 <= 1) consider(height / nn * height, w1, w2);
+    if (w1 >= 0 && w2 >= 0 && w1 + w2 <= 1) consider(product(height / nn, height), w1, w2);
   }
   return best;
 }
