@@ -31,9 +31,9 @@ comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 | sort > "$work/added"
 # functions of rtcore_*.h and cbvh.h, and of kernels/cbvh/backend/flat_scene.h for libembree3_vulkan. Those of cbvh.h
 # have a version.
 {
-  printf '%s\n' rtcFlattenScene rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics \
-    rtcNewContextFromDevice rtcNewGeometryFromSurface rtcNewSurfaceFromGeometry rtcRaiseDeviceError \
-    rtcReleaseFlatScene rtcSetGeometryCompression
+  printf '%s\n' rtcFindClosestPoint rtcFlattenScene rtcGetDeviceCompressionProperty \
+    rtcGetSceneCompressionStatistics rtcNewContextFromDevice rtcNewGeometryFromSurface rtcNewSurfaceFromGeometry \
+    rtcRaiseDeviceError rtcReleaseFlatScene rtcSetGeometryCompression
   grep -o '^CBVH_API .*' "$headers/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | sed 's/($/@@EMBREE_CBVH_0.9/'
 } | sort > "$work/api"
 diff "$work/api" "$work/added" || {
