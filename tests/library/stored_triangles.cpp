@@ -266,6 +266,58 @@ TEST(StoredTriangles, PointQueriesFindTheClosestFaces) {
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+// The closest point of a scene. What has no stored triangles, or is in an instance, is an error if it is near.
+TEST(StoredTriangles, ScenesHaveClosestPoints) {
+  Device device;
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_CTILE;
+  Scene compressed(device);
+  for (int i = 0; i < 2; i++) addSurface(device, compressed, cubeCage(), settings);
+  CbvhPointQuery query = CbvhPointQuery();
+  query.x = 3;
+  query.radius = INFINITY;
+  CbvhClosestPoint closest;
+  EXPECT_FALSE(rtcFindClosestPoint(compressed, &query, &closest));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "the scene is not committed";
+  rtcCommitScene(compressed);
+  ASSERT_TRUE(rtcFindClosestPoint(compressed, &query, &closest));
+  EXPECT_EQ(closest.geomID, 0u);
+  const RTCRayHit hit = intersect(compressed, makeRay({3, 0, 0}, {-1, 0, 0}));
+  EXPECT_LE(closest.distance, hit.ray.tfar);
+  EXPECT_NEAR(closest.distance, hit.ray.tfar, 1e-3);
+  query.radius = 0.99f * closest.distance;
+  EXPECT_FALSE(rtcFindClosestPoint(compressed, &query, &closest));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  query.radius = INFINITY;
+  query.y = NAN;
+  EXPECT_FALSE(rtcFindClosestPoint(compressed, &query, &closest));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  query.y = 0;
+
+  Scene instances(device);
+  const RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(instance, compressed);
+  attach(instances, instance);
+  rtcCommitScene(instances);
+  EXPECT_FALSE(rtcFindClosestPoint(instances, &query, &closest));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_NE(device.message.find("instance"), std::string::npos) << device.message;
+
+  Scene mixed(device);
+  addSurface(device, mixed, cubeCage(), settings);
+  const RTCGeometry triangle = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE); // too small to be compressed
+  setBuffer<Vec>(triangle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, {{1.5f, 0, 0}, {1.5f, 0.1f, 0}, {1.5f, 0, 1}});
+  setBuffer<unsigned>(triangle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, {0, 1, 2});
+  attach(mixed, triangle);
+  rtcCommitScene(mixed);
+  EXPECT_FALSE(rtcFindClosestPoint(mixed, &query, &closest));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  query.x = -3;
+  query.radius = 2.5f;
+  EXPECT_TRUE(rtcFindClosestPoint(mixed, &query, &closest)) << "the triangle is far away";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 TEST(StoredTriangles, ManyThreadsReadThem) {
   Device device;
   Scene scene(device);

@@ -253,7 +253,9 @@ private:
     found = true;
     squared = at.squared;
     const WideNormal<double> normal = normalOf(triangle);
-    auto interpolate = [&](double a, double b, double c) { return float(a + product(at.w1, b - a) + product(at.w2, c - a)); };
+    auto interpolate = [&](double a, double b, double c) {
+      return float(a + product(at.w1, b - a) + product(at.w2, c - a));
+    };
     for (int k = 0; k < 3; k++) {
       best.p[k] = interpolate(triangle.at[k][0], triangle.at[k][1], triangle.at[k][2]);
       best.Ng[k] = float(normal.at[k]);
