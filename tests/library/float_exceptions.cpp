@@ -12,6 +12,7 @@
 #include "support/query_forms.h"
 #include "support/same_hits.h"
 #include "support/saved.h"
+#include "support/surface_access.h"
 
 namespace programs::test { namespace {
 
@@ -56,6 +57,18 @@ void queryPoints(RTCScene scene, Random& random, unsigned count) {
           return true;
         },
         nullptr);
+  }
+}
+
+void findPoints(RTCScene scene, Random& random, unsigned count) {
+  for (unsigned i = 0; i < count; i++) {
+    CbvhPointQuery query = CbvhPointQuery();
+    query.x = float(random.uniform(-1.2, 1.2));
+    query.y = random.chance(0.3) ? 0 : float(random.uniform(-1.2, 1.2));
+    query.z = random.chance(0.3) ? 1 : float(random.uniform(-1.2, 1.2));
+    query.time = float(random.uniform());
+    query.radius = random.chance(0.3) ? INFINITY : random.chance(0.1) ? 0 : float(random.uniform(0, 0.6));
+    rtcFindClosestPoint(scene, &query, nullptr);
   }
 }
 
@@ -107,6 +120,8 @@ void expectNoTraps(const std::string& config, const Make& make) {
   queryPoints(top, random, 100);
   EXPECT_EQ(traps.takeReport(), "") << "point queries";
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  findPoints(scene, random, 100); // an error if the representation has no triangles
+  EXPECT_EQ(traps.takeReport(), "") << "closest points";
 }
 
 TEST_P(FloatExceptions, NoneInAnyFormOfGeometry) {

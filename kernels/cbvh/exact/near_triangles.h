@@ -48,7 +48,7 @@ public:
     considerPoint(pointOfEdge(b, c - b), q, best);
     const vfloatV nn = dot(n, n), w1 = dot(n, cross(ac, a)), w2 = dot(n, cross(a, ab));
     const vboolV inside = (w1 >= vfloatV(0.0f)) & (w2 >= vfloatV(0.0f)) & (w1 + w2 <= nn) & (nn > vfloatV(0.0f));
-    const vfloatV height = dot(a, n) / nn;
+    const vfloatV height = dot(a, n) / max(nn, vfloatV(leastSquare));
     q = select(inside, OffsetsV(n.x * height, n.y * height, n.z * height), q);
     squared = dot(q, q);
     least = min(min(dot(q, a), dot(q, b)), dot(q, c));
@@ -66,9 +66,11 @@ public:
   vfloatV squared; //!< square of the distance, roughly
 
 private:
+  static constexpr float leastSquare = 1e-37f; //!< instead of 0, as programs may trap divisions by it
+
   /*! Point of an edge that is closest to the origin. */
   static __forceinline OffsetsV pointOfEdge(const OffsetsV& begin, const OffsetsV& edge) {
-    const vfloatV t = -dot(begin, edge) / max(dot(edge, edge), vfloatV(1e-37f));
+    const vfloatV t = -dot(begin, edge) / max(dot(edge, edge), vfloatV(leastSquare));
     return begin.along(min(max(t, vfloatV(0.0f)), vfloatV(1.0f)), edge);
   }
 
