@@ -9,6 +9,7 @@
 #include "json_objects.h"
 #include "warning.h"
 
+#include "basics/error.h"
 #include "basics/parallel.h"
 #include "building/built_scene.h"
 #include "building/memory.h"
