@@ -60,7 +60,7 @@ else
   interposer=$build/kernels/interposer/libembree_cbvh_interposer.so
 fi
 preload=LD_PRELOAD=$interposer
-for program in calls nearest points collisions; do
+for program in calls horayzon moonray nearest points collisions; do
   inside "g++ -std=c++17 $flags tests/interposer/$program.cpp -o $program -lembree4 -ldl" ||
     fail "$program does not compile"
 done
@@ -90,7 +90,7 @@ fi
 # --- functions: the interposer must know all functions of the headers --------------------------
 inside "./functions $interposer /usr/include/embree4" || fail "kernels/interposer/functions.h is not complete"
 
-# --- calls: hits stored without the interposer must match those with it ------------------------
+# --- calls, horayzon, moonray: hits stored without the interposer must match those with it -----
 inside "./calls hits > /dev/null" || fail "the calls fail without the interposer"
 for use in $uses; do
   bound=${use%,*} argument=${use#*,}
@@ -106,6 +106,18 @@ for use in $uses; do
   grep -q ': 2166 quads' "$work/calls.log" && fail "a cube of an unknown device is compressed"
   [ -z "$traversables" ] || [ "$(grep -c ': 1734 quads' "$work/calls.log")" -eq 2 ] ||
     fail "a cube with buffers of the device is not compressed"
+  # Counts of compressed geometries: grids, quads and triangles, each twice; balls of quads
+  for check in 'horayzon 36411 6' 'moonray 9600 15'; do
+    # shellcheck disable=SC2086
+    set -- $check
+    [ -e "$work/$1.hits" ] || inside "./$1 $1.hits > /dev/null" || fail "$1 fails without the interposer"
+    inside "LD_PRELOAD=$libraries EMBREE_CBVH=1,verbose,max_error=0.00001 ./$1 $1.hits $argument > $1.log 2>&1" ||
+      {
+        grep -v '^compression' "$work/$1.log"
+        fail "hits of $1 differ ($use)"
+      }
+    [ "$(grep -c ": $2 quads" "$work/$1.log")" -eq "$3" ] || fail "not all of $1's surfaces are compressed ($use)"
+  done
   inside "LD_PRELOAD=$libraries EMBREE_CBVH=1,verbose ./points $argument > points.log 2>&1" ||
     {
       cat "$work/points.log"
@@ -121,7 +133,8 @@ for use in $uses; do
   [ "$(grep -c ': 3600 quads' "$work/nearest.log")" -eq 6 ] ||
     fail "not all of grids, quads and triangles of the closest points are compressed ($use)"
 done
-inside "$preload EMBREE_CBVH=1 ./calls hits" || fail "hits differ with the default precision"
+inside "$preload EMBREE_CBVH=1 ./calls hits" && inside "$preload EMBREE_CBVH=1 ./moonray moonray.hits" ||
+  fail "hits differ with the default precision"
 for reason in 'subdivision surface is left to Embree: RTC_SUBDIVISION_MODE_NO_BOUNDARY' 'its grids are so small' \
   'triangle mesh is left to Embree: it has RTC_BUILD_QUALITY_REFIT'; do
   [ "$(grep -c "$reason" "$work/calls.log")" -eq 1 ] || fail "must be reported exactly once: $reason"
