@@ -65,7 +65,7 @@ ThreadCache<Entries>& ThreadCache<Entries>::refresh(unsigned now) {
     if (posix_memalign(&memory, 64, sizeof(ThreadCache)) != 0) throw std::bad_alloc();
     current = (ThreadCache*)memory;
   }
-  current->clear();
+  current->Entries::clear(); // qualified: otherwise, GCC 16 does not find it in the base class
   current->generation = now;
   return *current;
 }
