@@ -5,10 +5,11 @@
 """Measures Blender's Cycles with Debian's Embree and with ours, and writes the result into README.md.
 
     scripts/measure_blender.py [--repeat N]     requires Debian 12's `blender` and a release build; takes some minutes
-    scripts/measure_blender.py --interposer LIBRARY    for a Blender on Embree 4, as Debian 13's and later ones;
-                                                       README.md stays as is
+    scripts/measure_blender.py --interposer LIBRARY [--scenes NAME...]
+                                                for a Blender on Embree 4, as Debian 13's and later ones; prints rows of
+                                                the table in docs/renderers.md, and README.md stays as is
 
-Renders scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
+Renders scenes of scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
 scripts/blender/commit_probe.c reports Embree's memory and times. Memory excludes the geometry buffers that Blender
 fills; build is the time of all commits of geometries and scenes. Embree 4 does not see the memory of libembree_cbvh,
 which is therefore added as the library prints it. The pictures stay in output/blender and are compared.
@@ -34,30 +35,84 @@ ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- begin: scripts/measure_blender.py -->\n", "<!-- end -->\n"
 
 
-def render(preloaded, picture, settings):
-    """Renders once. Returns MiB of acceleration structures and of geometry buffers, and seconds of all commits and of
-    the rendering. MiB of libembree_cbvh are counted if `settings` make it print them."""
+SCENES = {
+    "head": "subdivided, displaced head",
+    "adaptive": "adaptive subdivision",
+    "deforming": "deforming, 3 time steps",
+    "instances": "100 instances",
+    "hair": "head with hair",
+}
+
+
+def render(scene, preloaded, picture, settings):
+    """Renders once. Returns MiB of acceleration structures, of geometry buffers, and of the process at its peak;
+    seconds of all commits and of the rendering; CPU seconds of all commits and of the process. MiB of libembree_cbvh
+    are counted if `settings` make it print them."""
     environment = {**os.environ, "LD_PRELOAD": ":".join(map(str, preloaded)), **settings}
-    words = ["blender", "-b", "--python-exit-code", "1", "--python", ROOT / "scripts/blender/suzanne.py", "--", picture]
-    done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True)
-    commits = re.findall(r"commit: ([\d.]+) s, (\d+) bytes, (\d+) of them buffers", done.stderr)
-    took = re.search(r"^rendered: ([\d.]+) s", done.stdout, re.MULTILINE)
-    if done.returncode or not commits or not took:
-        sys.exit(f"blender failed, or its Cycles does not use Embree:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
-    seconds, total_bytes, buffers = commits[-1]
-    compressed = sum(map(float, re.findall(r"^compression: .* quads in ([\d.]+) MiB", done.stderr, re.MULTILINE)))
+    words = [
+        "blender",
+        "-b",
+        "--python-exit-code",
+        "1",
+        "--python",
+        ROOT / "scripts/blender/suzanne.py",
+        "--",
+        picture,
+        scene,
+    ]
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        process = subprocess.Popen(list(map(str, words)), env=environment, stdout=output, stderr=errors)
+        status, usage = os.wait4(process.pid, 0)[1:]
+        output.seek(0)
+        errors.seek(0)
+        printed, diagnostics = output.read(), errors.read()
+    commits = re.findall(r"commit: ([\d.]+) s, ([\d.]+) CPU s, (\d+) bytes, (\d+) of them buffers", diagnostics)
+    took = re.search(r"^rendered: ([\d.]+) s", printed, re.MULTILINE)
+    if status or not commits or not took:
+        sys.exit(f"blender failed, or its Cycles does not use Embree:\n{printed[-2000:]}\n{diagnostics[-2000:]}")
+    seconds, cpu_seconds, total_bytes, buffers = commits[-1]
+    compressed = sum(map(float, re.findall(r"^compression: .* quads in ([\d.]+) MiB", diagnostics, re.MULTILINE)))
     return {
         "MiB": (int(total_bytes) - int(buffers)) / 2**20 + compressed,
         "buffers": int(buffers) / 2**20,
+        "peak": usage.ru_maxrss / 2**10,
         "build": float(seconds),
+        "build_cpu": float(cpu_seconds),
         "render": float(took[1]),
+        "cpu": usage.ru_utime + usage.ru_stime,
     }
 
 
 def different_pixels(one, other):
-    """Number of pixels that differ by more than 5% of white in any channel."""
-    difference = abs(imread(one) - imread(other))
-    return int((difference.max(axis=-1) > 0.05).sum())
+    """Returns the number of pixels that differ by more than 5% of white in any channel, and the number of all."""
+    difference = abs(imread(one) - imread(other)).max(axis=-1)
+    return int((difference > 0.05).sum()), difference.size
+
+
+def measure(scene, repeat, ours, folder):
+    """Renders a scene `repeat` times with each library. Returns the medians of stock and ours, and the numbers of
+    different and of all pixels. ours: settings and libraries of our renderings."""
+    measured = {"stock": [], "ours": []}
+    pictures = {name: folder / f"{scene}_{name}.png" for name in measured}
+    with tempfile.TemporaryDirectory() as work:
+        probe = Path(work) / "commit_probe.so"
+        source = ROOT / "scripts/blender/commit_probe.c"
+        subprocess.run(["cc", "-shared", "-fPIC", "-O2", source, "-o", probe, "-ldl"], check=True)
+        for _ in range(repeat):
+            for name, (settings, more) in (("stock", ({}, [])), ("ours", ours)):
+                measured[name].append(render(scene, [probe, *more], pictures[name], settings))
+                print(scene, name, measured[name][-1], flush=True)
+    medians = [{key: statistics.median(run[key] for run in runs) for key in runs[0]} for runs in measured.values()]
+    return (*medians, *different_pixels(*pictures.values()))
+
+
+def row(scene, before, after, differing, pixels):
+    """Returns a row of the table in docs/renderers.md."""
+    cells = [
+        f"{after[key]:.{digits}f} / {before[key]:.{digits}f}"
+        for key, digits in (("MiB", 1), ("peak", 0), ("build_cpu", 2), ("cpu", 1))
+    ]
+    return " | ".join(["", SCENES[scene], *cells, f"{differing:,} of {pixels:,}", ""]).strip()
 
 
 def main():
@@ -73,44 +128,38 @@ def main():
     parser.add_argument(
         "--interposer", type=Path, metavar="FILE", help="libembree_cbvh_interposer.so, for a Blender on Embree 4"
     )
+    parser.add_argument(
+        "--scenes",
+        nargs="+",
+        choices=SCENES,
+        default=list(SCENES),
+        metavar="NAME",
+        help=f"with --interposer: {', '.join(SCENES)} (default: all)",
+    )
     options = parser.parse_args()
-    preloaded = []
     if options.interposer:
         if not options.interposer.exists():
             sys.exit(f"{options.interposer}: this file does not exist; --interposer names libembree_cbvh_interposer.so")
-        our_settings = {"EMBREE_CBVH": "1,verbose"}
-        preloaded = [options.interposer.resolve()]
+        ours = {"EMBREE_CBVH": "1,verbose"}, [options.interposer.resolve()]
     else:
         if not (options.library / "libembree3.so.3").exists():
             sys.exit(f"{options.library}: no libembree3.so.3 in this folder; build it first, or set --library")
-        our_settings = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}
+        ours = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}, []
     folder = ROOT / "output/blender"
     folder.mkdir(parents=True, exist_ok=True)
-    measured = {"stock": [], "ours": []}
-    with tempfile.TemporaryDirectory() as work:
-        probe = Path(work) / "commit_probe.so"
-        subprocess.run(
-            ["cc", "-shared", "-fPIC", "-O2", ROOT / "scripts/blender/commit_probe.c", "-o", probe, "-ldl"], check=True
-        )
-        for _ in range(options.repeat):
-            for name, settings, more in (("stock", {}, []), ("ours", our_settings, preloaded)):
-                measured[name].append(render([probe, *more], folder / f"{name}.png", settings))
-                print(name, measured[name][-1], flush=True)
-    before, after = (
-        {key: statistics.median(run[key] for run in runs) for key in runs[0]} for runs in measured.values()
-    )
     version = subprocess.run(["blender", "--version"], capture_output=True, text=True).stdout.split()[1]
     cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())[1]
+    if options.interposer:
+        rows = [row(scene, *measure(scene, options.repeat, ours, folder)) for scene in options.scenes]
+        print(f"Blender {version}, {cpu}, {os.cpu_count()} cores; ours / stock")
+        print("| scene | BVH, MiB | process at its peak, MiB | commits, CPU s | process, CPU s | pixels |")
+        print("|:--|--:|--:|--:|--:|--:|", *rows, sep="\n")
+        return
+    before, after, differing, pixels = measure("head", options.repeat, ours, folder)
     rendering = (
         f"render {after['render']:.1f} s instead of {before['render']:.1f}; "
-        f"{different_pixels(folder / 'stock.png', folder / 'ours.png')} of 614400 pixels differ by more than 5%"
+        f"{differing} of {pixels} pixels differ by more than 5%"
     )
-    if options.interposer:
-        print(
-            f"Blender {version}, {cpu}: {after['MiB']:.1f} MiB instead of {before['MiB']:.1f}, "
-            f"built in {after['build']:.2f} s instead of {before['build']:.2f}; {rendering}"
-        )
-        return
     commit = subprocess.run(
         ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True
     ).stdout.strip()
