@@ -9,6 +9,7 @@
 #include "support/filtered_geometry.h"
 #include "support/memory.h"
 #include "support/same_hits.h"
+#include "support/stitched_mesh.h"
 #include "support/surface_access.h"
 
 #include <chrono>
@@ -103,6 +104,32 @@ TEST_P(MeshGeometry, HitsOfTrianglesInAnyOrderMatchEmbree) {
     expectEmbreesHits(device, mesh, random, 503);
     if (HasFatalFailure()) return;
   }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Patches of adaptive subdivision, with patches that are triangles, vertices in random order, and collapsed edges.
+TEST_P(MeshGeometry, HitsOfStitchedPatchesMatchEmbree) {
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
+  Random random(142);
+  StitchedSheet sheet;
+  sheet.lattice = lattice;
+  for (const std::array<unsigned, 2>& rates : {std::array<unsigned, 2>{2, 6}, {8, 8}, {2, 64}, {12, 20}})
+    for (double part : {0.0, 0.3}) {
+      SCOPED_TRACE(testing::Message() << "rates " << rates[0] << " to " << rates[1] << ", triangular part " << part);
+      sheet.minRate = rates[0];
+      sheet.maxRate = rates[1];
+      sheet.columns = sheet.rows = 1 + 120 / (rates[0] + rates[1]);
+      sheet.triangular = part;
+      sheet.collapsed = part / 10;
+      DicedMesh mesh = stitchedMesh(sheet, random);
+      if (part > 0) mesh = withShuffledVertices(mesh, random);
+      const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
+      ASSERT_GT(statisticsOf(scene).numMeshQuads, 0u);
+      ASSERT_EQ(statisticsOf(scene).maxVertexDeviation, 0) << "all vertices are on the lattice";
+      expectSameQueries(embree, scene, raysAt(random, mesh, 503), slack);
+      if (HasFatalFailure()) return;
+    }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
@@ -230,6 +257,33 @@ TEST(Meshes, TrianglesOfNarrowStripsAreIrregular) {
     const RTCCompressionStatistics stats = statisticsOf(MeshScene(device, triangles));
     EXPECT_EQ(stats.numIrregularQuads, width < 16 ? strips.quads.size() : 0) << width << " quads wide";
   }
+}
+
+// Adaptive subdivision: small grids between stitched borders are not worth a search, large ones are.
+TEST(Meshes, GridsOfStitchedPatchesAreUsedIfTheyAreLarge) {
+  Device device;
+  Random random(143);
+  StitchedSheet sheet;
+  for (bool areLarge : {false, true})
+    for (bool isShuffled : {false, true}) {
+      SCOPED_TRACE(testing::Message() << (areLarge ? "large" : "small") << (isShuffled ? ", vertices shuffled" : ""));
+      sheet.minRate = areLarge ? 16 : 4;
+      sheet.maxRate = areLarge ? 32 : 8;
+      sheet.columns = sheet.rows = areLarge ? 8 : 25;
+      const DicedMesh mesh = stitchedMesh(sheet, random);
+      const RTCCompressionStatistics stats =
+          statisticsOf(MeshScene(device, isShuffled ? withShuffledVertices(mesh, random) : mesh));
+      const double quads = double(stats.numQuads),
+                   bytes = double(stats.topLevelBytes + stats.headerBytes + stats.nodeBytes + stats.leafBytes);
+      ASSERT_GE(stats.numQuads, mesh.triangles.size() / 2);
+      if (areLarge) {
+        EXPECT_LE(double(stats.numIrregularQuads), 0.2 * quads);
+        EXPECT_LE(bytes, 8 * quads);
+      } else {
+        EXPECT_EQ(stats.numIrregularQuads, stats.numQuads);
+        EXPECT_LE(bytes, 14 * quads);
+      }
+    }
 }
 
 // Each quad along some rows of a sheet has two vertices of its own, as in a mesh that is smooth except at sharp edges.

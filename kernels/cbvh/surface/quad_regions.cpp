@@ -224,15 +224,20 @@ RegionsPtr findWithConsecutivePairs(const TriangleMesh* mesh, const std::shared_
   return out;
 }
 
-/*! Finds regions of a triangle mesh with pairs from anywhere in the index buffer. Null for quad meshes. */
-RegionsPtr findWithAnyPairs(const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded) {
+/*! Finds regions of a triangle mesh with pairs from anywhere in the index buffer, if they can contain more triangles
+ *  than the regular ones of `before`. Null for quad meshes. */
+RegionsPtr findWithAnyPairs(const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded,
+                            const QuadRegions& before) {
   const RegionsPtr out = std::make_shared<QuadRegions>();
   out->welded = welded;
-  if (pairTriangles(mesh, welded.get(), out->firsts, out->seconds)) findRegions(mesh, *out);
+  const size_t inGrids = 2 * before.numQuads(0, before.numRegular);
+  if (pairTriangles(mesh, welded.get(), inGrids, out->firsts, out->seconds)) findRegions(mesh, *out);
   return out;
 }
 
-RegionsPtr findWithAnyPairs(const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
+RegionsPtr findWithAnyPairs(const QuadMesh*, const std::shared_ptr<const WeldedVertices>&, const QuadRegions&) {
+  return nullptr;
+}
 
 /*! True if at most 5% of the quads are irregular. */
 bool areFewIrregular(const QuadRegions& found) {
@@ -278,9 +283,11 @@ bool areBlocksNearlyFull(const QuadRegions& found) {
 template<typename Mesh>
 RegionsPtr findWithBestPairs(const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded) {
   RegionsPtr best = findWithConsecutivePairs(mesh, welded);
-  if (!areFewIrregular(*best)) chooseSmaller(mesh, best, findWithAnyPairs(mesh, welded));
+  if (!areFewIrregular(*best)) chooseSmaller(mesh, best, findWithAnyPairs(mesh, welded, *best));
   return best;
 }
+
+bool mayHaveLargeGrids(const QuadMesh*) { return true; }
 
 size_t numQuadsOf(const QuadMesh* mesh) { return mesh->quads.size(); }
 size_t numQuadsOf(const TriangleMesh* mesh) { return mesh->triangles.size() / 2; }
@@ -290,6 +297,7 @@ size_t numQuadsOf(const TriangleMesh* mesh) { return mesh->triangles.size() / 2;
  *  application numbered quads region by region, without sharing vertices between regions. */
 template<typename Mesh>
 std::shared_ptr<const QuadRegions> findBest(const Mesh* mesh) {
+  if (!mayHaveLargeGrids(mesh)) return std::make_shared<QuadRegions>();
   const bool areVerticesSeparate = mesh->numVertices() > 2 * numQuadsOf(mesh);
   RegionsPtr best;
   if (!areVerticesSeparate) {
@@ -302,7 +310,7 @@ std::shared_ptr<const QuadRegions> findBest(const Mesh* mesh) {
     const RegionsPtr other = findWithBestPairs(mesh, welded);
     if (best) chooseSmaller(mesh, best, other);
     else best = other;
-  } else if (!areFewIrregular(*best)) chooseSmaller(mesh, best, findWithAnyPairs(mesh, nullptr));
+  } else if (!areFewIrregular(*best)) chooseSmaller(mesh, best, findWithAnyPairs(mesh, nullptr, *best));
   if (welded && areVerticesSeparate && !areBlocksNearlyFull(*best))
     chooseSmaller(mesh, best, findWithConsecutivePairs(mesh, nullptr));
   return best;

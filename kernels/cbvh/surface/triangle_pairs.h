@@ -20,10 +20,15 @@
 #include "welded_vertices.h"
 
 namespace embree {
+/*! Returns false if a sample of the triangles shows that grids are small or rare, so that a search would not reduce
+ *  memory. Takes less time than a search. */
+bool mayHaveLargeGrids(const TriangleMesh* mesh);
+
 /*! Sets firsts and seconds to the triangles of each pair, in any order, independently of the number of threads. Each
  *  triangle is in exactly one pair; one without a partner is also its own second triangle. welded: null to match
- *  vertices by index. Returns false if most vertices do not have six triangles, if regular parts are narrow strips,
+ *  vertices by index. inGrids: triangles for which other pairs form grids. Returns false if most vertices do not have
+ *  six triangles, if regular parts are narrow strips, if no more triangles than inGrids are inside of regular parts,
  *  or if edges cannot be numbered in 32 bits. */
-bool pairTriangles(const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
+bool pairTriangles(const TriangleMesh* mesh, const WeldedVertices* welded, size_t inGrids, mvector<unsigned>& firsts,
                    mvector<unsigned>& seconds);
 } // namespace embree
