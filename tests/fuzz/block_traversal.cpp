@@ -201,7 +201,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   case Kind::CLEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::CVOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;
   case Kind::CGRID: trace<GridVisitor1>(world.scene, ray, block); break;
-  case Kind::CVERT: break; // vert_traversal.cpp
+  case Kind::CVERT:
+  case Kind::CTILE: break; // vert_traversal.cpp
   }
   return 0;
 }
