@@ -11,7 +11,8 @@ import types
 import unittest
 
 import numpy as np
-from trimesh_rays import RayMeshIntersector
+from triangle_distances import distances_to_triangles
+from trimesh_rays import ProximityQuery, RayMeshIntersector
 
 try:
     import trimesh
@@ -176,6 +177,38 @@ class Queries(unittest.TestCase):
         solid.ray = RayMeshIntersector(solid)
         points = np.random.default_rng(4).uniform((0, 0, -1), (300, 300, 61), (2000, 3))
         np.testing.assert_array_equal(solid.contains(points), (points[:, 2] % 1 < 0.5) & (abs(points[:, 2] - 30) < 30))
+
+    def test_closest_points_match_a_search_over_all_triangles(self):
+        rng = np.random.default_rng(8)
+        for mesh in (sphere(), sphere(rows=6), sphere(scale=1e-3, center=(5e4, -3e5, 10))):
+            vertices = np.asarray(mesh.vertices)
+            size = np.ptp(vertices, axis=0).max()
+            middle = vertices.mean(axis=0)
+            points = middle + size * rng.normal(size=(200, 3))
+            points[:50] = vertices[:50]
+            closest, distances, triangles = ProximityQuery(mesh).on_surface(points)
+            corners = vertices[mesh.faces]
+            for i, point in enumerate(points):
+                to_all = distances_to_triangles(point - middle, corners - middle)
+                self.assertAlmostEqual(distances[i] / size, to_all.min() / size, delta=1e-6)
+                self.assertAlmostEqual(distances[i] / size, to_all[triangles[i]] / size, delta=1e-9)
+            np.testing.assert_allclose(np.linalg.norm(closest - points, axis=1), distances, atol=1e-9 * size)
+
+    def test_closest_points_of_no_triangles_and_of_no_points(self):
+        empty = StandIn(vertices=np.zeros((0, 3)), faces=np.zeros((0, 3), int))
+        closest, distances, triangles = ProximityQuery(empty).on_surface([[1, 2, 3]])
+        self.assertTrue(np.isnan(closest).all())
+        self.assertEqual((distances[0], triangles[0]), (np.inf, -1))
+        self.assertEqual(ProximityQuery(sphere()).on_surface(np.zeros((0, 3)))[0].shape, (0, 3))
+        with self.assertRaisesRegex(ValueError, "points"):
+            ProximityQuery(sphere()).on_surface([[np.nan, 0, 0]])
+
+    @unittest.skipUnless(trimesh, "requires trimesh")
+    def test_signed_distances(self):
+        mesh = trimesh.Trimesh(*bumpy_sphere(), process=False)
+        points = np.array([[0, 0, 0], [0.1, 0.2, 0.1], [2, 0, 0], [0, -3, 1]])
+        signed = ProximityQuery(mesh).signed_distance(points)
+        self.assertEqual((signed > 0).tolist(), [True, True, False, False])
 
     def test_locations_at_triangles_of_no_area_are_on_them(self):
         for rows in (6, 24):

@@ -1,11 +1,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Ray queries of trimesh on meshes that libembree_cbvh stores compressed.
+"""Ray queries and closest points of trimesh on meshes that libembree_cbvh stores compressed.
 
     mesh = trimesh.load("scan.ply")
     mesh.ray = RayMeshIntersector(mesh)
     mesh.ray.intersects_first(origins, directions)
+    closest, distance, triangles = ProximityQuery(mesh).on_surface(points)
 
 The methods, their arguments and results are those of trimesh.ray.ray_pyembree, which returns 20 hits per ray at most:
 here, all hits are returned unless the caller sets max_hits. Hits are on the triangles of the mesh: vertices are stored
@@ -24,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["RayMeshIntersector"]
+__all__ = ["ProximityQuery", "RayMeshIntersector"]
 
 NO_HIT = 0xFFFFFFFF
 PACKET = 16
@@ -98,6 +99,32 @@ class Query(ctypes.Structure):
     ]
 
 
+class PointQuery(ctypes.Structure):
+    """CbvhPointQuery"""
+
+    _fields_ = [
+        ("struct_size", ctypes.c_size_t),
+        ("point", ctypes.c_float * 3),
+        ("time", ctypes.c_float),
+        ("radius", ctypes.c_float),
+        ("function", ctypes.c_void_p),
+        ("user_ptr", ctypes.c_void_p),
+    ]
+
+
+# CbvhClosestPoint
+CLOSEST_POINT = np.dtype(
+    [
+        ("point", np.float32, 3),
+        ("distance", np.float32),
+        ("normal", np.float32, 3),
+        ("parameters", np.float32, 2),
+        ("primitive", np.uint32),
+        ("geometry", np.uint32),
+    ]
+)
+
+
 @functools.lru_cache(maxsize=None)
 def library():
     """Loads the library of the wheel that contains this file, or the one that the dynamic linker finds."""
@@ -114,6 +141,7 @@ def library():
         "cbvhGetGroupStatistics": [HANDLE, ctypes.POINTER(Statistics)],
         "cbvhIntersect1": [HANDLE, ctypes.c_void_p, ctypes.POINTER(Query)],
         "cbvhIntersect16": [HANDLE, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p],
+        "cbvhPointQuery": [HANDLE, ctypes.POINTER(PointQuery), ctypes.c_void_p],
         "cbvhReleaseSurface": [HANDLE],
         "cbvhReleaseGroup": [HANDLE],
     }
@@ -122,7 +150,7 @@ def library():
         function.argtypes = types
         if "Release" in name:
             function.restype = None
-        elif "Intersect" in name:
+        elif "Intersect" in name or "PointQuery" in name:
             function.restype = ctypes.c_uint
         else:
             function.errcheck = check
@@ -185,6 +213,20 @@ class CompressedMesh:
         result = Statistics(ctypes.sizeof(Statistics))
         library().cbvhGetGroupStatistics(self.group, result)
         return result.bytes
+
+    def nearest(self, points):
+        """Returns the closest triangle of each point, or -1 if there is none."""
+        found = np.full(len(points), 0, CLOSEST_POINT)
+        found["primitive"] = NO_HIT
+        query = PointQuery(ctypes.sizeof(PointQuery), radius=np.inf)
+        coordinates = np.frombuffer(query, np.float32, 3, PointQuery.point.offset)
+        find, group, reference = library().cbvhPointQuery, self.group, ctypes.byref(query)
+        for point, address in zip(points, range(found.ctypes.data, found.ctypes.data + found.nbytes, found.itemsize)):
+            coordinates[:] = point
+            find(group, reference, address)
+        triangles = found["primitive"].astype(np.int64)
+        triangles[triangles == NO_HIT] = -1
+        return triangles
 
     def closest(self, origins, directions, previous):
         """Returns the triangle, or -1, and the distance of each ray's next hit.
@@ -251,6 +293,9 @@ class NoTriangles:
     def memory_bytes(self):
         return 0
 
+    def nearest(self, points):
+        return np.full(len(points), -1, np.int64)
+
     def closest(self, origins, directions, previous):
         return np.full(len(origins), -1, np.int64), np.full(len(origins), np.inf, np.float32)
 
@@ -311,6 +356,29 @@ def on_triangles(points, corners, tolerance):
         outward = unit(np.cross(following[:, i], normals))
         near &= ((points - corners[:, i]) * outward).sum(axis=1) <= tolerance
     return near
+
+
+def closest_on_triangles(points, corners):
+    """Returns the closest points of triangles (n, 3, 3) in double precision: of edges, or projections to planes."""
+
+    def of_edge(begin, end):
+        edge = end - begin
+        with np.errstate(all="ignore"):
+            at = ((points - begin) * edge).sum(axis=1) / (edge * edge).sum(axis=1)
+        return begin + np.clip(np.nan_to_num(at), 0, 1)[:, None] * edge
+
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normals = np.cross(b - a, c - a)
+    with np.errstate(all="ignore"):
+        height = ((points - a) * normals).sum(axis=1) / (normals * normals).sum(axis=1)
+    projected = points - height[:, None] * normals
+    inside = np.isfinite(height)
+    for begin, end in ((a, b), (b, c), (c, a)):
+        inside &= (np.cross(end - begin, projected - begin) * normals).sum(axis=1) >= 0
+    candidates = np.stack([of_edge(a, b), of_edge(b, c), of_edge(c, a), np.where(inside[:, None], projected, np.inf)])
+    with np.errstate(all="ignore"):
+        nearest = np.linalg.norm(candidates - points, axis=2).argmin(axis=0)
+    return candidates[nearest, np.arange(len(points))]
 
 
 class RayMeshIntersector:
@@ -407,6 +475,26 @@ class RayMeshIntersector:
 
         return contains_points(self, points)
 
+    def closest_points(self, points):
+        """Returns the closest points of the mesh (n, 3), their distances (n,) and triangles (n,) int64.
+
+        The closest triangle is that of the point rounded to floats of 32 bits in the scene; position and distance are
+        computed with the triangle's own vertices in double precision. Without triangles: NaN, infinity and -1.
+        """
+        scene, placement = self._scene()
+        points = np.array(points, dtype=np.float64).reshape(-1, 3)
+        if not np.isfinite(points).all():
+            raise ValueError("points are not finite")
+        triangles = scene.nearest(placement.to_scene(points))
+        found = triangles != -1
+        closest, distances = np.full(points.shape, np.nan), np.full(len(points), np.inf)
+        corners = np.asarray(self.mesh.vertices, dtype=np.float64)[np.asarray(self.mesh.faces)[triangles[found]]]
+        first = corners[:, 0].copy()  # relative to it, differences of large coordinates are exact
+        offsets = closest_on_triangles(points[found] - first, corners - first[:, None])
+        distances[found] = np.linalg.norm(offsets - (points[found] - first), axis=1)
+        closest[found] = first + offsets
+        return closest, distances, triangles
+
     def _locations(self, placement, triangles, origins, directions, distances):
         """Where rays hit the planes of their triangles, in double precision.
 
@@ -425,3 +513,21 @@ class RayMeshIntersector:
 
     def __getstate__(self):
         return dict(self.__dict__, _built=None)
+
+
+class ProximityQuery:
+    """The interface of trimesh.proximity.ProximityQuery, for points on the surface."""
+
+    def __init__(self, mesh, rays=None):
+        """mesh: a Trimesh. rays: its RayMeshIntersector, whose compressed mesh is used. None makes one."""
+        self._rays = rays or RayMeshIntersector(mesh)
+
+    def on_surface(self, points):
+        """Returns the closest points of the mesh (n, 3), their distances (n,) and triangles (n,) int64."""
+        return self._rays.closest_points(points)
+
+    def signed_distance(self, points):
+        """Returns (n,) distances, positive inside of the mesh, which must be closed, negative outside."""
+        distances = self._rays.closest_points(points)[1]
+        inside = self._rays.contains_points(points)
+        return np.where(inside, distances, -distances)
