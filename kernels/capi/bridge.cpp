@@ -9,6 +9,7 @@
 #include "points.h"
 #include "surface.h"
 
+#include "cbvh/operations/closest_point.h"
 #include "cbvh/operations/device.h"
 
 #include <embree3/rtcore_surface.h>
@@ -66,6 +67,7 @@ RTC_API bool rtcFindClosestPoint(RTCScene scene, const CbvhPointQuery* query, Cb
   const RTCDevice device = scene ? (RTCDevice)embree::core::deviceOf((embree::Scene*)scene) : nullptr;
   return reportingTo(device, [&] {
     require(scene && query, "scene or query is NULL");
+    embree::core::requireCommitted((embree::Scene*)scene);
     return queryPoint(scene, query, closest);
   });
 }

@@ -10,9 +10,12 @@ bool cbvh::ClosestPointQuery::mark(RTCPointQueryFunctionArguments* args) {
   return false;
 }
 
+void core::requireCommitted(const Scene* scene) {
+  if (scene->isModified()) throw_RTCError(RTC_ERROR_INVALID_OPERATION, "the scene is not committed");
+}
+
 bool core::findClosestPoint(Scene* scene, const float p[3], float time, float radius, cbvh::PointFunction function,
                             void* userPtr, cbvh::PointOnSurface& closest) {
-  if (scene->isModified()) throw_RTCError(RTC_ERROR_INVALID_OPERATION, "the scene is not committed");
   PointQuery query(Vec3fa(p[0], p[1], p[2]), radius, time);
   RTCPointQueryContext user;
   rtcInitPointQueryContext(&user);
