@@ -35,6 +35,7 @@ struct alignas(64) WideNode {
 struct CompressedTree : public BVH4 {
   CompressedTree(const PrimitiveType& type, Scene* scene) : BVH4(type, scene), wide(scene->device, 0) {}
 
-  mvector<WideNode> wide; //!< the tree for single rays; empty if they traverse the BVH4
+  float maxVertexDeviation = 0; //!< of its surfaces, see SurfaceStatistics
+  mvector<WideNode> wide;       //!< the tree for single rays; empty if they traverse the BVH4
 };
 } // namespace embree

@@ -124,6 +124,7 @@ public:
     }
     total.sums.topLevelBytes += treeBytes.get();
     report->statistics = total.sums;
+    ((CompressedTree*)bvh)->maxVertexDeviation = total.sums.maxVertexDeviation;
     report->statistics.cacheBytesPerThread = cbvh::threadCacheBytes(cachesOf(surfaces));
     cbvh::updateSurfaceIDs(scene);
     reportCommit(surfaces);

@@ -3,15 +3,12 @@
 
 #pragma once
 
-/* Searches blocks for triangles within the radius of a query, nearest boxes first. Which points are found does not
- * depend on this order, nor on the instruction set: equally close points are ordered by their triangles. */
+/* Searches blocks for triangles within the radius of a query, nearest boxes first. */
 
-#include "../base/closest_point_query.h"
 #include "cached_mesh.h"
 #include "moving_block.h"
 #include "near_triangles.h"
 #include "tile_block.h"
-#include "../../cvert/rule/closest_point.h"
 
 namespace embree::isa::cbvh {
 /*! Distances of the triangles of quads, one quad per lane. Bits of masks: quad, plus 16 for second triangles. */
@@ -80,18 +77,38 @@ private:
   TriangleDistances triangles[vectors];
 };
 
+/*! Where a triangle is: its group, and its index there. See TriangleKey::triangle. */
+struct TrianglePlace {
+  uint32_t group, index;
+};
+
+/*! The primitives of a block: one of which the block is a part, its quads, or its triangles. */
+enum class BlockPrimitives { ONE, QUADS, TRIANGLES };
+
+/*! Visitor: what happens with triangles within the radius.
+ *
+ *    static const bool visitsQuads
+ *      True if the first triangle of a quad that is a primitive is visited for both.
+ *    double squaredRadius() const, float radius() const
+ *      Of the query. radius: rounded up.
+ *    bool isDone() const
+ *      True to leave out the rest of the block.
+ *    bool visit(primitives, block, place, triangleAt, pointAt)
+ *      Called for a triangle that is probably within the radius. Returns true if the radius has decreased. block: a
+ *      VertHeader, see cached_mesh.h. triangleAt(place): VertTriangle of this triangle, or of the other one of its
+ *      quad. pointAt(sides): SurfacePoint in this triangle. */
+template<typename Visitor>
 class PointSearch {
 public:
-  __forceinline PointSearch(PointQuery* query, ClosestPointQuery& closest) : query(query), closest(closest) {
-    p[0] = query->p.x;
-    p[1] = query->p.y;
-    p[2] = query->p.z;
-  }
+  __forceinline PointSearch(const PointQuery* query, Visitor& visitor)
+    : p{query->p.x, query->p.y, query->p.z},
+      time(query->time),
+      visitor(visitor) {}
 
   void searchVert(const VertHeader* block) {
     if (isMoving(block->info)) {
       const VertMotion motion = motionOf(block);
-      if (isPresent(motion, query->time)) searchQuads(block, MovingVertBlock(block, timeInMotion(motion, query->time)));
+      if (isPresent(motion, time)) searchQuads(block, MovingVertBlock(block, timeInMotion(motion, time)));
     } else {
       const struct {
         VertCache* cache;
@@ -105,8 +122,7 @@ public:
     const VertRay unused;
     if (isMovingMesh(mesh)) {
       const VertMotion motion = motionOfMesh(mesh);
-      if (isPresent(motion, query->time))
-        searchTriangles(block, MovingMeshBlock(unused, block, timeInMotion(motion, query->time)));
+      if (isPresent(motion, time)) searchTriangles(block, MovingMeshBlock(unused, block, timeInMotion(motion, time)));
     } else searchTriangles(block, CachedMeshBlock(unused, block));
   }
 
@@ -114,19 +130,14 @@ public:
     const TileBlock tile(header);
     BoxDistances leaves(p, header);
     uint32_t leaf[2] = {0, 0};
-    while (leaves.popNearest(closest.squaredRadius, leaf[0])) {
-      const bool areTwo = tileLeavesAtOnce == 2 && leaves.popNearest(closest.squaredRadius, leaf[1]);
+    while (!visitor.isDone() && leaves.popNearest(visitor.squaredRadius(), leaf[0])) {
+      const bool areTwo = tileLeavesAtOnce == 2 && leaves.popNearest(visitor.squaredRadius(), leaf[1]);
       if (!areTwo) leaf[1] = leaf[0];
       searchLeaves(tile, leaf, areTwo);
     }
   }
 
 private:
-  /*! Where a triangle is: its group, and its index there. See TriangleKey::triangle. */
-  struct Place {
-    uint32_t group, index;
-  };
-
   /*! Vertices of one or two leaves. */
   struct StoredLeaves {
     alignas(64) float at[3][LeafLayout::vectors * vectorWidth]; //!< [axis][lane]
@@ -152,24 +163,24 @@ private:
     uint32_t existing = quadsOfLeaf(block->region, leaf[0]);
     if (areTwo) existing |= quadsOfLeaf(block->region, leaf[1]) << 8;
     test(
-        distances, existing | existing << 16, block,
+        distances, trianglesOf(block, existing), block, primitivesOf(block),
         [&](uint32_t bit) {
           const uint32_t l = leaf[(bit >> 3) & 1u];
           const uint32_t inLeaf = 2 * (bit & 7u) + (bit >> 4);
-          return Place{(l & 3u) | ((l >> 3) << 2), (l & 4u ? 16u : 0u) + inLeaf};
+          return TrianglePlace{(l & 3u) | ((l >> 3) << 2), (l & 4u ? 16u : 0u) + inLeaf};
         },
-        [&](Place place, uint32_t bit) {
+        [&](TrianglePlace place, uint32_t bit) {
           return VertTriangle(stored.at, leafTriangleLanes.at[tileLeavesAtOnce == 2 ? (bit >> 3) & 1u : 0u]
                                                              [place.index % LeafTriangleLanes::triangles]);
         },
-        [&](Place place, const VertTriangle::Sides& sides) { return pointOfQuad(block, place, sides); });
+        [&](TrianglePlace place, const VertTriangle::Sides& sides) { return pointOfQuad(block, place, sides); });
   }
 
   template<typename Cached>
   void searchQuads(const VertHeader* block, const Cached& cached) {
     BoxDistances groups(p, cached.boxes());
     uint32_t g = 0;
-    while (groups.popNearest(closest.squaredRadius, g)) {
+    while (!visitor.isDone() && groups.popNearest(visitor.squaredRadius(), g)) {
       const CellVertices& vertices = cached.vertices(g);
       auto corners = [&](int k) {
         return QuadCornersV(CellVector(vertices.at[k]).map([&](const vfloatV& x) { return x - vfloatV(p[k]); }));
@@ -177,10 +188,10 @@ private:
       const QuadDistances<QuadCornersV::vectors> distances(corners(0), corners(1), corners(2));
       const uint32_t existing = quadsOfGroup(block->region, g);
       test(
-          distances, existing | existing << 16, block,
-          [&](uint32_t bit) { return Place{g, 2 * (bit & 15u) + (bit >> 4)}; },
-          [&](Place place, uint32_t) { return VertTriangle(cached.vertices(place.group), place.index); },
-          [&](Place place, const VertTriangle::Sides& sides) { return pointOfQuad(block, place, sides); });
+          distances, trianglesOf(block, existing), block, primitivesOf(block),
+          [&](uint32_t bit) { return TrianglePlace{g, 2 * (bit & 15u) + (bit >> 4)}; },
+          [&](TrianglePlace place, uint32_t) { return VertTriangle(cached.vertices(place.group), place.index); },
+          [&](TrianglePlace place, const VertTriangle::Sides& sides) { return pointOfQuad(block, place, sides); });
     }
   }
 
@@ -188,20 +199,32 @@ private:
   void searchTriangles(const VertHeader* block, const Cached& cached) {
     BoxDistances groups(p, cached.boxes());
     uint32_t g = 0;
-    while (groups.popNearest(closest.squaredRadius, g)) {
+    while (!visitor.isDone() && groups.popNearest(visitor.squaredRadius(), g)) {
       const bool hasNextHalf = cached.triangles(g, 0).hasNextHalf;
       for (uint32_t half = 0; half < (hasNextHalf ? 2u : 1u); half++)
         test(
-            MeshDistances(cached.triangles(g, half), p), ~0u, block,
-            [&](uint32_t bit) { return Place{g, 16 * half + bit}; },
-            [&](Place place, uint32_t bit) { return VertTriangle(cached.triangles(place.group, half), bit); },
-            [&](Place place, const VertTriangle::Sides& sides) {
+            MeshDistances(cached.triangles(g, half), p), ~0u, block, BlockPrimitives::TRIANGLES,
+            [&](uint32_t bit) { return TrianglePlace{g, 16 * half + bit}; },
+            [&](TrianglePlace place, uint32_t bit) { return VertTriangle(cached.triangles(place.group, half), bit); },
+            [&](TrianglePlace place, const VertTriangle::Sides& sides) {
               return cached.point(place.group, place.index, clampParameter(sides.w1), clampParameter(sides.w2));
             });
     }
   }
 
-  static __forceinline SurfacePoint pointOfQuad(const VertHeader* block, Place place,
+  static __forceinline BlockPrimitives primitivesOf(const VertHeader* block) {
+    return !hasPrimIDs(block->info)                 ? BlockPrimitives::ONE
+           : isTriangleNumbering(block->patchQuads) ? BlockPrimitives::TRIANGLES
+                                                    : BlockPrimitives::QUADS;
+  }
+
+  /*! Mask of the triangles of quads. */
+  static __forceinline uint32_t trianglesOf(const VertHeader* block, uint32_t quads) {
+    const bool haveOne = hasPrimIDs(block->info) && isSingleTriangleNumbering(block->patchQuads);
+    return haveOne ? quads : quads | quads << 16;
+  }
+
+  static __forceinline SurfacePoint pointOfQuad(const VertHeader* block, TrianglePlace place,
                                                 const VertTriangle::Sides& sides) {
     return surfacePoint(block, place.group, place.index, positionInQuad(sides, bool(place.index & 1u)));
   }
@@ -218,30 +241,27 @@ private:
     return quadsFrom(region, leafQuadsX * (leaf & 3u), leafQuadsY * (leaf >> 2), leafQuadsY);
   }
 
-  /*! Least float that is not below the query's radius. */
-  __forceinline float radiusAbove() const { return float(std::sqrt(closest.squaredRadius)) * (1.0f + 2.0f * floatUlp); }
-
-  /*! Tests triangles of a mask. Functions: placeOf(bit); triangleAt(place, bit); pointAt(place, sides). */
+  /*! Visits triangles of a mask, first the one that is probably the nearest. placeOf(bit), triangleAt(place, bit),
+   *  pointAt(place, sides): see Visitor. */
   template<typename Distances, typename PlaceOf, typename TriangleAt, typename PointAt>
   __forceinline void test(const Distances& distances, uint32_t existing, const VertHeader* block,
-                          const PlaceOf& placeOf, const TriangleAt& triangleAt, const PointAt& pointAt) {
-    uint32_t mask = existing & distances.mayBeWithin(radiusAbove());
-    auto testBit = [&](uint32_t bit) {
-      const Place place = placeOf(bit);
-      const WideTriangle<double> triangle = triangleAt(place, bit).wide();
-      const double at[3] = {p[0], p[1], p[2]};
-      const PointOfTriangle point = closestPointOfTriangle(at, triangle.at);
-      if (!(point.squared <= closest.squaredRadius)) return;
-      if (!isPreferred(point.squared, block, place)) return;
-      const VertTriangle::Sides sides = {float(1 - point.w1 - point.w2), float(point.w1), float(point.w2), 1.0f};
-      accept(point, triangle, pointAt(place, sides), block, place);
+                          BlockPrimitives primitives, const PlaceOf& placeOf, const TriangleAt& triangleAt,
+                          const PointAt& pointAt) {
+    auto within = [&] {
+      const uint32_t mask = existing & distances.mayBeWithin(visitor.radius());
+      return Visitor::visitsQuads && primitives == BlockPrimitives::QUADS ? (mask | mask >> 16) & 0xFFFFu : mask;
     };
-    if (mask & (mask - 1)) {
-      const uint32_t nearest = nearestOf(distances, mask);
-      testBit(nearest);
-      mask &= ~(1u << nearest) & distances.mayBeWithin(radiusAbove());
+    uint32_t mask = within();
+    for (bool isFirst = true; mask != 0 && !visitor.isDone(); isFirst = false) {
+      const uint32_t bit = isFirst && (mask & (mask - 1)) ? nearestOf(distances, mask) : uint32_t(bsf(mask));
+      mask &= ~(1u << bit);
+      const TrianglePlace place = placeOf(bit);
+      if (visitor.visit(
+              primitives, block, place,
+              [&](TrianglePlace at) { return triangleAt(at, bit ^ ((at.index ^ place.index) & 1u) << 4); },
+              [&](const VertTriangle::Sides& sides) { return pointAt(place, sides); }))
+        mask &= within();
     }
-    for (; mask; mask &= mask - 1) testBit(uint32_t(bsf(mask)));
   }
 
   template<typename Distances>
@@ -256,52 +276,8 @@ private:
     return nearest;
   }
 
-  TriangleKey keyOf(const VertHeader* block, Place place) const {
-    return TriangleKey{geomIDOf(block), block->primID, block->region, 32 * place.group + place.index};
-  }
-  uint32_t geomIDOf(const VertHeader* block) const { return closest.scene->surfaceIDs[block->surface]; }
-
-  /*! False if another triangle with precedence is equally close. */
-  __forceinline bool isPreferred(double squared, const VertHeader* block, Place place) const {
-    return closest.function || !closest.isFound || squared < closest.squaredRadius ||
-           hasPrecedence(keyOf(block, place), closest.key);
-  }
-
-  __noinline void accept(const PointOfTriangle& at, const WideTriangle<double>& triangle, const SurfacePoint& surface,
-                         const VertHeader* block, Place place) {
-    PointOnSurface point;
-    const WideNormal<double> normal = normalOf(triangle);
-    for (int k = 0; k < 3; k++) {
-      const double(&v)[3] = triangle.at[k];
-      point.p[k] = float(v[0] + product(at.w1, v[1] - v[0]) + product(at.w2, v[2] - v[0]));
-      point.Ng[k] = float(normal.at[k]);
-    }
-    point.distance = float(std::sqrt(at.squared));
-    point.u = surface.u;
-    point.v = surface.v;
-    point.primID = surface.primID;
-    point.geomID = geomIDOf(block);
-    double squaredRadius = at.squared;
-    if (closest.function) {
-      const float before = float(std::sqrt(closest.squaredRadius));
-      float radius = before;
-      const bool isAccepted = closest.function(closest.functionPtr, point, radius);
-      squaredRadius = isAccepted ? at.squared : closest.squaredRadius;
-      if (radius < before) squaredRadius = min(squaredRadius, double(radius) * radius);
-      if (isAccepted) setClosest(point, block, place);
-    } else setClosest(point, block, place);
-    closest.squaredRadius = squaredRadius;
-    query->radius = radiusAbove();
-  }
-
-  void setClosest(const PointOnSurface& point, const VertHeader* block, Place place) {
-    closest.isFound = true;
-    closest.closest = point;
-    closest.key = keyOf(block, place);
-  }
-
-  PointQuery* const query;
-  ClosestPointQuery& closest;
-  float p[3];
+  const float p[3];
+  const float time;
+  Visitor& visitor;
 };
 } // namespace embree::isa::cbvh

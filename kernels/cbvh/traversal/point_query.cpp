@@ -2,26 +2,69 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries (rtcPointQuery) over compressed geometries, and queries for the closest point
- * (base/closest_point_query.h), for which exact/point_search.h searches the blocks. A box is within reach if it touches
- * the query's sphere, or the query's box for Embree's AABB queries. The application's function is called, possibly
- * several times, for the primitive of each block whose box in the tree is within reach, or that is the tree's only
- * block. In blocks with numbers of quads and in mesh blocks, it is called for each quad or triangle whose box is within
- * reach. Faces of subdivision surfaces are found only if they are compressed: Embree has no point queries for them. */
+ * (base/closest_point_query.h). The application's function is called for primitives with a stored triangle within
+ * reach: within the query's radius or, for Embree's AABB queries, that of the sphere around the box; plus the largest
+ * distance by which a vertex of the scene was moved. A face of a subdivision surface or a grid is called at most once
+ * per block. Embree has no point queries for subdivision surfaces: faces are found only if they are compressed. */
 
 #include "queries1.h"
 #include "../base/block_validity.h"
 #include "../base/leaf_type.h"
-#include "../base/codec_names.h"
-#include "../../cvert/portable/world.h"
-#include "../../cvert/decoder/decoded_mesh.h"
 #include "../embree/scene.h"
-#include "../exact/point_search.h"
+#include "../exact/closest_visitor.h"
 #include "../blocks/compressed_tree.h"
-#include "../blocks/vertices_at_time.h"
-#include <initializer_list>
 
 namespace embree::isa::cbvh {
 using namespace embree::cbvh;
+
+/*! Visitor of PointSearch that calls the application's function for the primitives of a block. */
+class PrimitiveVisitor {
+public:
+  static const bool visitsQuads = true;
+
+  /*! context: geomID is that of the geometry. deviation: added to the radius. */
+  PrimitiveVisitor(PointQuery* query, PointQueryContext* context, Geometry* geometry, float deviation)
+    : query(query),
+      context(context),
+      geometry(geometry),
+      deviation(deviation) {}
+
+  bool isChanged = false; //!< a call changed the query
+
+  double squaredRadius() const { return double(radius()) * radius(); }
+  float radius() const {
+    const bool isSphere = context->query_type == POINT_QUERY_TYPE_SPHERE;
+    return (isSphere ? query->radius : length(context->query_radius)) * (1.0f + 4.0f * floatUlp) + deviation;
+  }
+  bool isDone() const { return isCalledForAll; }
+
+  template<typename TriangleAt, typename PointAt>
+  bool visit(BlockPrimitives primitives, const VertHeader*, TrianglePlace place, const TriangleAt& triangleAt,
+             const PointAt& pointAt) {
+    if (!isFinite(triangleAt(place))) return false;
+    if (primitives == BlockPrimitives::QUADS && !isFinite(triangleAt(TrianglePlace{place.group, place.index ^ 1u})))
+      return false;
+    const float before = radius();
+    isCalledForAll = primitives == BlockPrimitives::ONE;
+    context->primID = pointAt(VertTriangle::Sides{1.0f, 0.0f, 0.0f, 1.0f}).primID;
+    isChanged |= geometry->pointQuery(query, context);
+    return radius() < before;
+  }
+
+private:
+  static bool isFinite(const VertTriangle& triangle) {
+    const WideTriangle<double> wide = triangle.wide();
+    double sum = 0;
+    for (const auto& axis : wide.at) sum += axis[0] + axis[1] + axis[2];
+    return std::isfinite(sum);
+  }
+
+  PointQuery* const query;
+  PointQueryContext* const context;
+  Geometry* const geometry;
+  const float deviation;
+  bool isCalledForAll = false;
+};
 
 class PointQueryTraversal {
 public:
@@ -34,6 +77,7 @@ public:
   bool operator()(const BVH4* bvh) {
     if (bvh->root == BVH4::emptyNode) return false;
     if (closest && closest != context) return skipLeaf(); // in an instance
+    if (!closest) deviation = ((const CompressedTree*)bvh)->maxVertexDeviation;
     bool changed = false;
     Item stack[1 + 3 * BVH4::maxDepth];
     size_t n = 0;
@@ -68,7 +112,10 @@ private:
   bool isSphere() const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
   /*! Largest distanceOf() within reach. A call of the application's function may decrease it. Both are rounded. */
-  float maxDistance() const { return isSphere() ? query->radius * query->radius * (1.0f + 16.0f * floatUlp) : 0.0f; }
+  float maxDistance() const {
+    const float radius = query->radius + deviation;
+    return isSphere() ? radius * radius * (1.0f + 16.0f * floatUlp) : deviation;
+  }
 
   /*! Distances of a node's children: squared for a sphere, otherwise to the query's box. */
   vfloat4 distanceOf(const BVH4::AABBNode* node) const {
@@ -113,26 +160,28 @@ private:
     const void* block = leaf.leaf(type);
     if (!isBlock(type)) return skipLeaf();
     if (!embree::cbvh::isBlockValid(block, BlockType(type))) return false;
-    if (closest) return search(block, BlockType(type));
-    switch (BlockType(type)) {
-    case FRAMED_BLOCK: return false;
-    case VERT_BLOCK:
-    case TILE_BLOCK: return callForBlock((const VertHeader*)block);
-    case MESH_BLOCK: return callForBlock((const MeshHeader*)block);
+    if (BlockType(type) == FRAMED_BLOCK) return skipLeaf();
+    if (closest) {
+      ClosestVisitor visitor(query, *closest);
+      search(visitor, block, BlockType(type));
+      return false;
     }
-    return false;
+    const uint32_t surface = ((const VertHeader*)block)->surface; // see cached_mesh.h
+    context->geomID = context->scene->surfaceIDs[surface];
+    PrimitiveVisitor visitor(query, context, context->scene->get(context->geomID), deviation);
+    search(visitor, block, BlockType(type));
+    return visitor.isChanged;
   }
 
-  /*! Searches a block for the closest point. */
-  bool search(const void* block, BlockType type) {
-    PointSearch search(query, *closest);
+  template<typename Visitor>
+  void search(Visitor& visitor, const void* block, BlockType type) const {
+    PointSearch<Visitor> search(query, visitor);
     switch (type) {
-    case FRAMED_BLOCK: return skipLeaf();
+    case FRAMED_BLOCK: break;
     case VERT_BLOCK: search.searchVert((const VertHeader*)block); break;
     case TILE_BLOCK: search.searchTile((const VertHeader*)block); break;
     case MESH_BLOCK: search.searchMesh((const MeshHeader*)block); break;
     }
-    return false;
   }
 
   /*! A leaf without triangles that can be searched. */
@@ -141,103 +190,10 @@ private:
     return false;
   }
 
-  bool callForBlock(const VertHeader* block) {
-    Geometry* const geometry = beginBlock(block->surface);
-    if (!embree::cbvh::VerticesAtTime::isPresent(block, time())) return false;
-    if (hasPrimIDs(block->info)) return callQuads(geometry, block);
-    context->primID = block->primID;
-    return geometry->pointQuery(query, context);
-  }
-
-  bool callForBlock(const MeshHeader* block) { return callTriangles(beginBlock(block->surface), block); }
-
-  /*! Returns the geometry of a block. */
-  Geometry* beginBlock(uint32_t surface) {
-    const uint32_t geomID = context->scene->surfaceIDs[surface];
-    context->geomID = geomID;
-    return context->scene->get(geomID);
-  }
-
-  embree::cbvh::TraversalTime time() const { return {query->time, false}; }
-
-  /*! callForLeaf() for a block with numbers of quads. Skips primitives that are not finite. */
-  bool callQuads(Geometry* geometry, const VertHeader* header) {
-    const embree::cbvh::VerticesAtTime block(header, time());
-    const uint32_t numbering = header->patchQuads;
-    bool changed = false;
-    for (uint32_t y = 0; y < vertQuadsY(header->region); y++)
-      for (uint32_t x = 0; x < vertQuadsX(header->region); x++) {
-        // the corners that both triangles of a quad share, and the other two
-        const float *const diagonal[2] = {block.vertex(x + 1, y), block.vertex(x, y + 1)}, *const ends[2] = {
-                                                                                               block.vertex(x, y),
-                                                                                               block.vertex(x + 1,
-                                                                                                            y + 1)};
-        auto primitive = [&](bool isSecond) { return primitiveOfQuad(header, x, y, isSecond).primID; };
-        if (!isTriangleNumbering(numbering))
-          changed |= callForPrimitive(geometry, primitive(false), {diagonal[0], diagonal[1], ends[0], ends[1]});
-        else
-          for (int i = 0; i < (isSingleTriangleNumbering(numbering) ? 1 : 2); i++)
-            changed |= callForPrimitive(geometry, primitive(i == 1), {diagonal[0], diagonal[1], ends[i]});
-      }
-    return changed;
-  }
-
-  /*! callForLeaf() for a mesh block. */
-  bool callTriangles(Geometry* geometry, const MeshHeader* block) {
-    if (!embree::cbvh::MeshAtTime::isPresent(block, time())) return false;
-    const embree::cbvh::MeshAtTime mesh(block, time());
-    bool changed = false;
-    for (uint32_t g = 0; g < mesh.view.groups; g++) {
-      if (!mesh.moves() && !isWithinReach(mesh.view, g)) continue;
-      const DecodedMeshGroup group = mesh.group(g);
-      for (uint32_t t = 0; t < group.numTriangles; t++) {
-        float corners[3][3];
-        for (int c = 0; c < 3; c++)
-          for (int k = 0; k < 3; k++) corners[c][k] = group.corners[c][k][t];
-        changed |= callForPrimitive(geometry, primitiveOfMesh(block->info, group.numbers[t]),
-                                    {corners[0], corners[1], corners[2]});
-      }
-    }
-    return changed;
-  }
-
-  /*! True if a group's box is within reach, ignoring a sheared axis. The block must not move. */
-  bool isWithinReach(const MeshView& view, uint32_t g) const {
-    BBox3fa bounds;
-    view.groupBox(g, &bounds.lower.x, &bounds.upper.x);
-    if (view.isSheared()) {
-      const uint32_t m = meshShearedAxis(view.block->info);
-      bounds.lower[m] = neg_inf;
-      bounds.upper[m] = pos_inf;
-    }
-    return distanceOf(bounds) <= maxDistance();
-  }
-
-  /*! Calls the application's function for a primitive if the box of `vertices` is within reach. Returns true if
-   *  the call changed the query. */
-  bool callForPrimitive(Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices) {
-    BBox3fa bounds(empty);
-    for (const float* p : vertices) {
-      if (!embree::cbvh::isFinite(p)) return false;
-      bounds.extend(Vec3fa(p[0], p[1], p[2]));
-    }
-    if (!(distanceOf(bounds) <= maxDistance())) return false;
-    context->primID = primID;
-    return geometry->pointQuery(query, context);
-  }
-
-  /*! distanceOf() for one box. */
-  float distanceOf(const BBox3fa& bounds) const {
-    float d[3];
-    for (int k = 0; k < 3; k++) d[k] = max(max(bounds.lower[k] - query->p[k], query->p[k] - bounds.upper[k]), 0.0f);
-    if (isSphere()) return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    return max(max(d[0] - context->query_radius[0], d[1] - context->query_radius[1]),
-               max(d[2] - context->query_radius[2], 0.0f));
-  }
-
   PointQuery* const query;
   PointQueryContext* const context;
   ClosestPointQuery* const closest; //!< null for queries that call the application's function
+  float deviation = 0;              //!< by which the radius is enlarged
 };
 
 } // namespace embree::isa::cbvh
