@@ -71,8 +71,8 @@ RTC_API RTCGeometry rtcNewGeometryFromSurface(RTCDevice device, CbvhSurface surf
  * Returns true if a point was found and accepted.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and as cbvhPointQuery. RTC_ERROR_INVALID_OPERATION for a scene that is
- * not committed, and if a geometry within the radius is not compressed as cTILE or cVERT, or is in an instance: use
- * rtcPointQuery for such scenes. Thread safety: as rtcPointQuery. */
+ * not committed, and if a geometry near the point, even if outside of the radius, is not compressed as cTILE or cVERT,
+ * or is in an instance: use rtcPointQuery for such scenes. Thread safety: as rtcPointQuery. */
 RTC_API bool rtcFindClosestPoint(RTCScene scene, const struct CbvhPointQuery* query, struct CbvhClosestPoint* closest);
 
 RTC_NAMESPACE_END

@@ -297,8 +297,10 @@ TEST(StoredTriangles, ScenesHaveClosestPoints) {
   Scene instances(device);
   const RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(instance, compressed);
+  rtcCommitGeometry(instance);
   attach(instances, instance);
   rtcCommitScene(instances);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(rtcFindClosestPoint(instances, &query, &closest));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   EXPECT_NE(device.message.find("instance"), std::string::npos) << device.message;
@@ -308,14 +310,13 @@ TEST(StoredTriangles, ScenesHaveClosestPoints) {
   const RTCGeometry triangle = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE); // too small to be compressed
   setBuffer<Vec>(triangle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, {{1.5f, 0, 0}, {1.5f, 0.1f, 0}, {1.5f, 0, 1}});
   setBuffer<unsigned>(triangle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, {0, 1, 2});
+  rtcCommitGeometry(triangle);
   attach(mixed, triangle);
   rtcCommitScene(mixed);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_FALSE(rtcFindClosestPoint(mixed, &query, &closest));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
-  query.x = -3;
-  query.radius = 2.5f;
-  EXPECT_TRUE(rtcFindClosestPoint(mixed, &query, &closest)) << "the triangle is far away";
-  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_NE(device.message.find("not compressed"), std::string::npos) << device.message;
 }
 
 TEST(StoredTriangles, ManyThreadsReadThem) {

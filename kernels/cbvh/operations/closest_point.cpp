@@ -24,8 +24,8 @@ bool core::findClosestPoint(Scene* scene, const float p[3], float time, float ra
   if (context.isFound) closest = context.closest;
   if (context.hasOthers)
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                   "a geometry within the radius has no stored triangles, or is in an instance: expected geometry that "
-                   "is compressed as cTILE or cVERT");
+                   "a geometry near the point is not compressed as cTILE or cVERT, or is in an instance: use "
+                   "rtcPointQuery");
   return context.isFound;
 }
 } // namespace embree
