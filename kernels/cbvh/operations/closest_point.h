@@ -16,8 +16,8 @@ void requireCommitted(const Scene* scene);
 
 /*! As cbvhPointQuery: finds the point of stored triangles that is closest to p. radius: largest distance. function:
  *  null, or called with the closest point of each triangle within the radius. closest: written if a point is found.
- *  Throws RTC_ERROR_INVALID_OPERATION if geometries near the point, not all of which are within the radius, have no
- *  stored triangles or are in instances; `closest` was then written for the others. The scene must have been committed
+ *  Throws RTC_ERROR_INVALID_OPERATION if geometries near the point, possibly outside of the radius, have no stored
+ *  triangles or are in instances; `closest` was then written for the others. The scene must have been committed
  *  once. */
 bool findClosestPoint(Scene* scene, const float p[3], float time, float radius, cbvh::PointFunction function,
                       void* userPtr, cbvh::PointOnSurface& closest);
