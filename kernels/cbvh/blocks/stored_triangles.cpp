@@ -5,7 +5,7 @@
 #include "../base/block_validity.h"
 #include "../embree/scene.h"
 #include "../../cvert/decoder/decoded_mesh.h"
-#include "../../cvert/rule/closest_point.h"
+#include "../../cvert/decoder/closest_point.h"
 #include "../../cvert/rule/rule.h"
 #include "vertices_at_time.h"
 #include "surface_blocks.h"

@@ -8,7 +8,7 @@
 
 #include "../base/closest_point_query.h"
 #include "point_search.h"
-#include "../../cvert/rule/closest_point.h"
+#include "../../cvert/decoder/closest_point.h"
 
 namespace embree::isa::cbvh {
 class ClosestVisitor {

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Which triangles and boxes may be within a distance of a point, with triangles or boxes in lanes. Nothing that is
- * within the distance is left out; cvert/rule/closest_point.h then decides. */
+ * within the distance is left out; cvert/decoder/closest_point.h then decides. */
 
 #include "../base/intrinsics.h"
 #include "../base/vectors.h"

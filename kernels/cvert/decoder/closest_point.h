@@ -9,7 +9,7 @@
 
 #include "../portable/language.h"
 
-CVERT_BEGIN
+namespace cvert { inline namespace CVERT_ISA {
 
 /*! squared: of the distance; infinite if a vertex is not finite, or two are equal. w1, w2: barycentric weights of the
  *  second and third vertex. */
@@ -72,4 +72,4 @@ inline PointOfTriangle closestPointOfTriangle(const double p[3], const double (&
   return best;
 }
 
-CVERT_END
+}} // namespace cvert::CVERT_ISA
