@@ -185,7 +185,8 @@ struct StructSizes : ::testing::Test {
     cases.push_back(caseOf<CbvhPointQuery>("CbvhPointQuery", false, {sizeof(CbvhPointQuery), 0, 0, 5, 0, INFINITY},
                                            [=](CbvhPointQuery* query) {
                                              reported.clear();
-                                             EXPECT_EQ(cbvhPointQuery(group, query, nullptr) != 0, reported.empty());
+                                             const int isFound = cbvhPointQuery(group, query, nullptr);
+                                             EXPECT_EQ(isFound != 0, reported.empty()) << reported;
                                              return reported;
                                            }));
     const auto packet = [=](bool isOcclusion) {
