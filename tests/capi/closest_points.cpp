@@ -303,9 +303,9 @@ void expectClosest(const Surfaces& surfaces, const std::vector<Triangle>& triang
   ASSERT_LE(length(byParameters - at), 2e-4 * (length(ab) + length(ac)) + roundingOf(at));
 }
 
-class ClosestPoints : public testing::TestWithParam<std::tuple<const char*, const char*>> {
+class ClosestPoints : public testing::TestWithParam<std::tuple<std::string, std::string>> {
 protected:
-  ClosestPoints() : context(std::string(std::get<0>(GetParam())) + "," + std::get<1>(GetParam())) {}
+  ClosestPoints() : context(std::get<0>(GetParam()) + "," + std::get<1>(GetParam())) {}
 
   void SetUp() override {
     if (!context.handle) GTEST_SKIP() << cbvhGetErrorText();
@@ -429,15 +429,16 @@ TEST_P(ClosestPoints, FunctionsSelectPoints) {
   }
 }
 
-std::string nameOfForm(const testing::TestParamInfo<std::tuple<const char*, const char*>>& info) {
+std::string nameOfForm(const testing::TestParamInfo<std::tuple<std::string, std::string>>& info) {
   std::string name;
-  for (char c : std::string(std::get<0>(info.param)).substr(4) + std::get<1>(info.param))
+  for (char c : std::get<0>(info.param).substr(4) + std::get<1>(info.param))
     if (std::isalnum((unsigned char)c)) name += c;
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(Forms, ClosestPoints,
-                         testing::Combine(testing::ValuesIn(std::vector<const char*>{TEST_ISAS}),
-                                          testing::Values("subdiv_accel=cbvh", "subdiv_accel=cbvh.vert")),
+                         testing::Combine(testing::ValuesIn(std::vector<std::string>{TEST_ISAS}),
+                                          testing::Values(std::string("subdiv_accel=cbvh"),
+                                                          std::string("subdiv_accel=cbvh.vert"))),
                          nameOfForm);
 
 // Results, ties included, do not depend on the instruction set or the form.
