@@ -867,8 +867,8 @@ struct CbvhPointQuery {
 
 /* Finds the point of a group that is closest to a given point, on the triangles that are stored (see below), at a
  * distance of at most the radius. Masks of surfaces are not used. Distances are computed in double precision. Of
- * several triangles that are equally close, it reports the one with the least geomID, then primID. Only triangles with
- * three different, finite vertices are found.
+ * several triangles that are equally close, it reports one with the least geomID, always the same, on every
+ * instruction set. Only triangles with three different, finite vertices are found.
  *
  * group:   committed.
  * query:   read.

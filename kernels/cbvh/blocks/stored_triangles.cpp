@@ -3,10 +3,9 @@
 
 #include "stored_triangles.h"
 #include "../base/block_validity.h"
+#include "../base/closest_point_result.h"
 #include "../embree/scene.h"
 #include "../../cvert/decoder/decoded_mesh.h"
-#include "../../cvert/decoder/closest_point.h"
-#include "../../cvert/rule/rule.h"
 #include "vertices_at_time.h"
 #include "surface_blocks.h"
 #include <algorithm>
@@ -252,17 +251,9 @@ private:
     if (!(found ? at.squared < squared : at.squared <= squared)) return;
     found = true;
     squared = at.squared;
-    const WideNormal<double> normal = normalOf(triangle);
-    auto interpolate = [&](double a, double b, double c) {
-      return float(a + product(at.w1, b - a) + product(at.w2, c - a));
-    };
-    for (int k = 0; k < 3; k++) {
-      best.p[k] = interpolate(triangle.at[k][0], triangle.at[k][1], triangle.at[k][2]);
-      best.Ng[k] = float(normal.at[k]);
-    }
-    best.distance = float(std::sqrt(squared));
-    best.u = interpolate(u[0], u[1], u[2]);
-    best.v = interpolate(v[0], v[1], v[2]);
+    setPoint(at, triangle, best);
+    best.u = interpolated(at, u[0], u[1], u[2]);
+    best.v = interpolated(at, v[0], v[1], v[2]);
     best.primID = primID;
     best.geomID = 0;
   }

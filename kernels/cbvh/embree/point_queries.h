@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Embree's point queries, and queries of ours that take the same way through a scene's trees. */
+/* Embree's point queries. */
 
 #include "../../common/context.h"
 #include "../../common/point_query.h"

@@ -7,8 +7,8 @@
  * instruction set: equally close points are ordered by their triangles. */
 
 #include "../base/closest_point_query.h"
+#include "../base/closest_point_result.h"
 #include "point_search.h"
-#include "../../cvert/decoder/closest_point.h"
 
 namespace embree::isa::cbvh {
 class ClosestVisitor {
@@ -50,13 +50,7 @@ private:
   __noinline void accept(const PointOfTriangle& at, const WideTriangle<double>& triangle, const SurfacePoint& surface,
                          const VertHeader* block, TrianglePlace place) {
     PointOnSurface point;
-    const WideNormal<double> normal = normalOf(triangle);
-    for (int k = 0; k < 3; k++) {
-      const double(&v)[3] = triangle.at[k];
-      point.p[k] = float(v[0] + product(at.w1, v[1] - v[0]) + product(at.w2, v[2] - v[0]));
-      point.Ng[k] = float(normal.at[k]);
-    }
-    point.distance = float(std::sqrt(at.squared));
+    setPoint(at, triangle, point);
     point.u = surface.u;
     point.v = surface.v;
     point.primID = surface.primID;

@@ -126,7 +126,7 @@ public:
                                   uint32_t(j) * vectorWidth % leavesPerPart;
       vfloatV sum(0.0f);
       for (uint32_t k = 0; k < 3; k++) {
-        // as LeafBoxes, which moves planes further
+        // at least tileSlackUlps (tile_intersector1.h)
         const float slack = 16.0f * floatUlp * (farthest[k] + float((maxBoxByte + 1) * maxBoxByte) * largestSpacing);
         const vfloatV at(p[k] - tile->origin[k]), units(unit[k]);
         const vfloatV below = madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k))), units, -at),

@@ -110,10 +110,9 @@ public:
       const VertMotion motion = motionOf(block);
       if (isPresent(motion, time)) searchQuads(block, MovingVertBlock(block, timeInMotion(motion, time)));
     } else {
-      const struct {
-        VertCache* cache;
-      } thread = {&VertCache::ofThread()};
-      searchQuads(block, CachedVertBlock(thread, block));
+      VertRay cacheOnly;
+      cacheOnly.cache = &VertCache::ofThread();
+      searchQuads(block, CachedVertBlock(cacheOnly, block));
     }
   }
 

@@ -424,28 +424,6 @@ public:
 private:
   static const size_t perTask = size_t(1) << 14;
 
-  /*! True if nearly all sampled pairs of consecutive triangles are followed by a neighboring pair, as in long rows of
-   *  quads. */
-  bool areInRows() const {
-    const size_t step = max(size / 4096, size_t(1));
-    size_t numSampled = 0, numInRows = 0;
-    for (size_t t = 0; t + 3 < size; t += step, numSampled++) {
-      unsigned pair[2][4];
-      bool areJoined = true;
-      for (unsigned i = 0; i < 2; i++) {
-        unsigned a[3], b[3], firstCorners;
-        triangles.triangle(t + 2 * i, a);
-        triangles.triangle(t + 2 * i + 1, b);
-        areJoined = areJoined && PairsOfMesh::join(a, b, pair[i], firstCorners);
-      }
-      auto isNext = [&](const unsigned* p, const unsigned* q) {
-        return (q[0] == p[1] && q[3] == p[2]) || (q[0] == p[3] && q[1] == p[2]); // right, above
-      };
-      numInRows += areJoined && (isNext(pair[0], pair[1]) || isNext(pair[1], pair[0]));
-    }
-    return 32 * numInRows >= 29 * numSampled;
-  }
-
   /*! function(v): v are the vertices of a triangle. Called concurrently. */
   template<typename Function>
   void forEachTriangle(const Function& function) const {

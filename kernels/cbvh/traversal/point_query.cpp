@@ -10,6 +10,7 @@
 #include "queries1.h"
 #include "../base/block_validity.h"
 #include "../base/leaf_type.h"
+#include "../../cvert/portable/world.h"
 #include "../embree/scene.h"
 #include "../exact/closest_visitor.h"
 #include "../blocks/compressed_tree.h"
@@ -54,9 +55,11 @@ public:
 private:
   static bool isFinite(const VertTriangle& triangle) {
     const WideTriangle<double> wide = triangle.wide();
-    double sum = 0;
-    for (const auto& axis : wide.at) sum += axis[0] + axis[1] + axis[2];
-    return std::isfinite(sum);
+    for (int i = 0; i < 3; i++) {
+      const float vertex[3] = {float(wide.at[0][i]), float(wide.at[1][i]), float(wide.at[2][i])};
+      if (!embree::cbvh::isFinite(vertex)) return false;
+    }
+    return true;
   }
 
   PointQuery* const query;
