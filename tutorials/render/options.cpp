@@ -181,7 +181,7 @@ void read(const CLI::App& app, const OptionTexts& texts, Options& o) {
 std::optional<Options> parseOptions(int argc, char** argv) {
   Options o;
   OptionTexts texts;
-  CLI::App app("Renders a displaced subdivision surface, by default in cVERT. Several representations are rendered\n"
+  CLI::App app("Renders a displaced subdivision surface, by default in cTILE. Several representations are rendered\n"
                "one after the other, and compared in memory, build time, error and speed.",
                "cbvh_render");
   declarePictures(app, o, texts);
