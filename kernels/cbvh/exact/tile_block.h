@@ -165,7 +165,7 @@ private:
     for (int i = 0; i < 3; i++) {
       const int k = axes[i];
       const vfloatV scale(spacing[k]), origin(tile->origin[k]);
-      const vintV used(int(mask[k]));
+      const vintV used((int)mask[k]);
       LeafVectors predicted;
       prediction.set(slopeX[k], slopeY[k], base[k], predicted);
       for (int n = 0; n < LeafLayout::vectors; n++) {
