@@ -138,6 +138,30 @@ TEST(TileBlock, HasTheVerticesOfItsBlockAndBoxesAroundLeaves) {
   EXPECT_GT(without, 300u);
 }
 
+// Residuals of two axes that together have more than 32 bits, and few on the third.
+TEST(TileBlock, HasTheVerticesOfBlocksThatAreRoughAlongTwoAxes) {
+  Random random(seed + 2);
+  auto encoder = std::make_unique<VertEncoder>();
+  TileEncoder tileEncoder;
+  auto tile = std::make_unique<TileBytes>();
+  const VertPlacement placement(packRegion(16, 16, 0, 0), packPatchQuads(16, 16));
+  std::map<uint32_t, int> widths;
+  for (int i = 0; i < 300; i++) {
+    encoder->setSize(placement.region);
+    const uint32_t smooth = random.below(3), bits = 10 + random.below(9);
+    for (uint32_t v = 0; v < encoder->numVertices(); v++)
+      for (uint32_t k = 0; k < 3; k++) encoder->vertices[v][k] = k == smooth ? 0.0f : float(random.below(1u << bits));
+    encoder->computeBounds();
+    const auto vertices = std::make_unique<BlockVertices>(*encoder);
+    ASSERT_GT(tileEncoder.encode(*encoder, placement, tile->bytes), 0u);
+    widths[tileVertexBytes(tile->header())]++;
+    const auto decoded = std::make_unique<DecodedBlock>(tile->header());
+    for (uint32_t v = 0; v < vertices->numVertices(); v++)
+      for (int k = 0; k < 3; k++) ASSERT_EQ(decoded->vertices[v][k], vertices->vertices[v][k]) << i << ", " << v;
+  }
+  for (uint32_t width : {3u, 4u, 5u, tileFloatBytes}) EXPECT_GT(widths[width], 20) << width;
+}
+
 TEST(TileBlock, KeepsPrimitiveNumbers) {
   Random random(seed + 1);
   auto encoder = std::make_unique<VertEncoder>();

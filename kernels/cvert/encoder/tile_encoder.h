@@ -35,9 +35,7 @@ public:
         fit(vertices, k);
       }
     }
-    const uint32_t bitsOfAll = residualBits[0] + residualBits[1] + residualBits[2];
-    bytesPerVertex =
-        isOnLattice && bitsOfAll <= 8 * maxTileVertexBytes ? std::max((bitsOfAll + 7) / 8, 2u) : tileFloatBytes;
+    bytesPerVertex = isOnLattice ? bytesOfResiduals() : tileFloatBytes;
     if (bytesPerVertex == tileFloatBytes) scaleBits = 0;
     for (int k = 0; k < 3; k++)
       if (!(bytesPerVertex == tileFloatBytes ? setFloatBoxes(vertices, k) : setBoxes(vertices, k))) return 0;
@@ -49,6 +47,12 @@ public:
   }
 
 private:
+  /*! Bytes of a vertex. Only residuals on z reach the fifth byte. */
+  uint32_t bytesOfResiduals() const {
+    const uint32_t lower = residualBits[0] + residualBits[1], all = lower + residualBits[2];
+    return lower <= 32 && all <= 8 * maxTileVertexBytes ? std::max((all + 7) / 8, 2u) : tileFloatBytes;
+  }
+
   /*! Vertex stored in a column and row, which are repeated at the end. */
   static uint32_t vertexOf(const BlockVertices& vertices, uint32_t x, uint32_t y) {
     return std::min(y, vertices.quads[1]) * vertices.width + std::min(x, vertices.quads[0]);

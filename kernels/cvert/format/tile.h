@@ -15,8 +15,8 @@
  *
  * where the sum in parentheses, the coordinate, is an integer of tileExtentBits. Those of blocks are below
  * maxExtent, and have remainders if the vertices' lattice is finer; tiles have none. The residuals of a vertex are
- * packed into 2, 3, 4 or 5 bytes. If the lattice is still finer, or if residuals need more bits, the tile stores
- * floats.
+ * packed into 2, 3, 4 or 5 bytes, those on x and y into the lower four. If the lattice is still finer, or if residuals
+ * need more bits, the tile stores floats.
  *
  * A leaf is 4 x 2 quads. Its box has six bytes: planes are origin + byte * boxStep * scale * spacing. Rows and columns
  * of vertices are repeated up to whole leaves; quads between them have no area and are never hit. */
