@@ -70,19 +70,47 @@ measure() {
   grep 'Mrays/s' "$results/$name.txt" | head -40 || true
 }
 
-all=naive,grid,cgrid,cvoxel,cleaf-only,cvert
+all=grid,ctile,cvert,cleaf-only,naive,cgrid,cvoxel
 common="--ray-set coherent,incoherent --query closest,any --repeat 5"
 
-measure trex_6 400 --scene trex --level 6 --representation $all $common
+measure frog_6 200 --scene frog --level 6 --representation grid,ctile,cvert,cleaf-only,naive $common
+measure trex_6 300 --scene trex --level 6 --representation $all $common
+measure others_6 200 --scene cube,knee,scythe --level 6 --representation grid,ctile,cvert,cleaf-only,naive $common
+measure close_6 200 --scene trex,frog --view close --level 6 --representation grid,ctile,cvert,cleaf-only $common
 measure trex_4_5 200 --scene trex --level 4,5 --representation $all $common
-measure others_6 300 --scene frog,cube,knee --level 6 --representation $all $common
-measure trex_7 400 --scene trex --level 7 --representation grid,cgrid,cvoxel,cleaf-only,cvert $common
-measure close_6 200 --scene trex,frog --view close --level 6 --representation grid,cleaf-only,cvert $common
-measure others_4_5_7 200 --scene frog,cube,knee --level 4,5,7 --representation grid,cleaf-only,cvert $common
-measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf-only,cvert --check leaks,sheets,shadows \
+measure trex_7 400 --scene trex --level 7 --representation grid,ctile,cvert,cleaf-only,cvoxel $common
+measure others_4_5_7 200 --scene frog,cube,knee --level 4,5,7 --representation grid,ctile,cvert,cleaf-only $common
+measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf-only,cvert,ctile --check leaks,sheets,shadows \
   --check-rays 10000000 --repeat 0
 for count in 8 24 64; do
-  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf-only,cvert \
+  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf-only,cvert,ctile \
     --ray-set coherent,incoherent --repeat 3
+done
+
+# A row per scene and representation: millions of closest hits per second, and the speed of rays relative to GRID.
+table() {
+  awk '
+    function row() {
+      if (name != "" && speed["coherent closest"] != "")
+        printf "%-14s %-6s %-14s %6s %10s %10s   %5s %5s %5s %5s\n", scene, view, name, bytes,
+          speed["coherent closest"], speed["incoherent closest"], ratio["coherent closest"], ratio["coherent any"],
+          ratio["incoherent closest"], ratio["incoherent any"]
+      split("", speed)
+      split("", ratio)
+    }
+    /, level / { row(); name = ""; scene = $1 " " $3; gsub(",", "", scene) }
+    / B\/quad/ { row(); name = $1; for (i = 2; i <= NF; i++) if ($i ~ /^B\/quad/) bytes = $(i - 1) }
+    / Mrays\/s/ {
+      if (view != "" && view != $1) row()
+      view = $1
+      speed[$2 " " $3] = $4
+      ratio[$2 " " $3] = $6
+    }
+    END { row() }' "$1"
+}
+printf '%-14s %-6s %-14s %6s %10s %10s   %s\n' scene view representation B/quad coherent incoherent \
+  "of GRID: coherent closest, any, incoherent closest, any"
+for name in frog_6 trex_6 others_6 close_6 trex_4_5 trex_7 others_4_5_7; do
+  [ ! -e "$results/$name.txt" ] || table "$results/$name.txt"
 done
 echo "all: $(($(date +%s) - begin)) s"

@@ -42,8 +42,8 @@ inline SurfaceSettings smallSurface(RTCCompression compression) {
   return settings;
 }
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL,
-                                   RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE,  RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL,
+                                   RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE};
 
 // With a displacement that must outlive the surface.
 inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate) {
@@ -56,8 +56,8 @@ inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompress
 }
 
 // Side by side, each with its own bit of the mask. The displacements must outlive them.
-inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement (&displacements)[5]) {
-  for (unsigned i = 0; i < 5; i++) {
+inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement (&displacements)[6]) {
+  for (unsigned i = 0; i < 6; i++) {
     displacements[i].offset = {0.8f * float(i) - 1.6f, 0.3f * float(i % 2), 0.2f * float(i % 3)};
     displacements[i].scale = 0.5f;
     SurfaceSettings settings = displacedSettings(displacements[i], allKinds[i], 16);

@@ -79,8 +79,8 @@ TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu) {
   displacement.poison = [](unsigned primID, float u, float v) {
     return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
   };
-  for (RTCCompression kind :
-       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                              RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE}) {
     Agreement sum;
     const SurfaceScene scene(embree, cubeCage(), settings(kind, 32));
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
@@ -195,7 +195,7 @@ TEST_F(VulkanHits, TrianglesMatchCpuInRobustAndFastMode) {
 
 TEST_F(VulkanHits, MixedScenesMatchCpu) {
   Scene scene(embree);
-  Displacement displacements[5];
+  Displacement displacements[6];
   std::vector<RTCGeometry> surfaces;
   addSurfacesOfAllKinds(embree, scene, displacements);
   addTriangles(embree, scene, random, 30, 1u << 5);

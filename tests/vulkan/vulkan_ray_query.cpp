@@ -117,7 +117,7 @@ TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders) {
 // Different kinds next to each other with masks, triangles of a mesh, a disabled geometry, and ranges of rays.
 TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders) {
   Scene scene(embree);
-  Displacement displacements[5];
+  Displacement displacements[6];
   addSurfacesOfAllKinds(embree, scene, displacements);
   attach(scene, newTriangle(embree, 0.1f));
   attach(scene, newTriangle(embree, -0.2f));

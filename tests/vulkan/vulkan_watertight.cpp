@@ -29,7 +29,9 @@ protected:
 
 std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
 INSTANTIATE_TEST_SUITE_P(Compression, VulkanWatertight,
-                         testing::Values(RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT), nameOf);
+                         testing::Values(RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT,
+                                         RTC_COMPRESSION_CTILE),
+                         nameOf);
 
 TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit) {
   Device device;
@@ -63,7 +65,7 @@ struct ClosedScene {
   }
   static Representation representation(RTCCompression compression) {
     // fallback_faces is off: leaves are tested
-    for (const Representation& r : parseRepresentations("cvoxel,cleaf-only,cvert", frameLevel))
+    for (const Representation& r : parseRepresentations("cvoxel,cleaf-only,cvert,ctile", frameLevel))
       if (r.compression() == compression) return r;
     throw std::logic_error("no such representation");
   }

@@ -4,9 +4,8 @@
 #pragma once
 
 /* A committed scene as plain data without Embree's internal types, for back ends (kernels/vulkan). Nodes are copied.
- * Blocks, vertices and indices are not: they are valid until the scene is committed again or released, blocks of tiles
- * until the flat scene is released. Vertices and indices become invalid earlier if the application sets or frees their
- * buffers. */
+ * Blocks, vertices and indices are not: they are valid until the scene is committed again or released. Vertices and
+ * indices become invalid earlier if the application sets or frees their buffers. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -15,7 +14,7 @@
 
 namespace embree::cbvh {
 /*! Increment it when a struct below changes: libembree3 and libembree3_vulkan must have the same version. */
-static const uint32_t flatSceneVersion = 7;
+static const uint32_t flatSceneVersion = 8;
 
 /*! Unused children are emptyReference, with all bounds +infinity. */
 struct FlatNode {
@@ -31,10 +30,9 @@ struct FlatMovingNode {
   float begin[4], end[4];
 };
 
-/*! A compressed block, or a grid of GRID. */
+/*! A compressed block, a tile, or a grid of GRID. */
 struct FlatBlock {
-  const void* data;   //!< aligned to 16 bytes
-  const void* source; //!< identifies the block in its surface: data, or the tile that it was made from
+  const void* data; //!< aligned to 16 bytes
   uint32_t bytes;
   /*! Type of references to the block (base/reference.h); gridLeafReferenceType for a grid. */
   uint32_t type;
@@ -77,8 +75,7 @@ struct FlatTree {
 
 struct FlatScene {
   uint32_t version;
-  bool isRobust;     //!< the scene has RTC_SCENE_FLAG_ROBUST
-  bool hasOwnBlocks; //!< blocks that were made from tiles
+  bool isRobust; //!< the scene has RTC_SCENE_FLAG_ROBUST
   FlatTree staticTree, movingTree;
 
   FlatNode* nodes;

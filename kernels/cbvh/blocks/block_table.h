@@ -70,7 +70,7 @@ inline BlockRow rowOf(BlockType type) {
         [](const void* tile) { return tileBytes((const VertHeader*)tile); }, [](const void*) { return false; },
         [](const void*) { return VertMotion(); },
         [](const void* tile) { return tileVertexBytes((const VertHeader*)tile) == tileFloatBytes; },
-        [](const void*) { return blockReferenceType(kindVert); }); // they get the tile's block
+        [](const void*) { return blockReferenceType(kindTile); });
   case MESH_BLOCK:
     return BlockRow(
         offsetof(MeshHeader, surface), offsetof(MeshHeader, primID), meshCache, meshMotionCache,

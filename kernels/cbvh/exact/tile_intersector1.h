@@ -10,11 +10,6 @@
 #include "tile_block.h"
 
 namespace embree::isa::cbvh {
-/*! Bound of the rounding errors of distances to planes, in floatUlp, as slackUlps. Per distance: 1/2 for the difference
- *  of origins, 1/2 for its product with the reciprocal, 1/2 for the slack's addition, 1/2 for the unit's product, 1 for
- *  the plane (unfused), 3/2 for the reciprocal, twice; and 3/2 for the shear of vertices. */
-static constexpr float tileSlackUlps = 13.0f;
-
 /*! Boxes of the leaves that a ray may intersect. Leaf (column, row) is bit column + 4 row of masks. */
 class LeafBoxes {
 public:

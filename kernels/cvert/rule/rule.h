@@ -59,7 +59,17 @@ CVERT_CONSTANT float slackUlps = 14.0f;
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! The same for the sheared coordinate (format/block.h), a sum of three terms. */
+/*! The same for the boxes of tiles (format/tile.h). Per distance to a plane: 1/2 for the difference of origins, 1/2 for
+ *  its product with the reciprocal, 1/2 for the slack's addition, 1/2 for the unit's product, 1 for the plane
+ *  (unfused), 3/2 for the reciprocal, twice; and 3/2 for the shear of vertices. Shaders: 2 more for the shear and for
+ *  each reciprocal. */
+#ifdef VULKAN
+CVERT_CONSTANT float tileSlackUlps = 19.0f;
+#else
+CVERT_CONSTANT float tileSlackUlps = 13.0f;
+#endif
+
+/*! As slackUlps for the sheared coordinate (format/block.h), a sum of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f * slackUlps;
 
 /*! Distance by which planes on a world axis move outwards. org, origin: of the ray and of the block. extent: bound of

@@ -26,6 +26,7 @@ constexpr size_t ownBufferBytes = 1 << 20; // surfaces of at least this size hav
 BlockType typeOf(const FlatBlock& block) {
   static_assert(numReferenceTypes == meshBlockReferenceType + 1, "each type of reference to a block is known here");
   return block.type == meshBlockReferenceType                                                   ? MESH_BLOCK
+         : block.type == blockReferenceType(kindTile)                                           ? TILE_BLOCK
          : block.type == movingBlockReferenceType || block.type == blockReferenceType(kindVert) ? VERT_BLOCK
                                                                                                 : FRAMED_BLOCK;
 }
@@ -51,7 +52,7 @@ void requireValid(const FlatBlock& block) {
       reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
     break;
   case MESH_BLOCK: reason = cvert::validateMesh(block.data, block.bytes); break;
-  case TILE_BLOCK: break; // typeOf() never returns it
+  case TILE_BLOCK: break; // made in memory, from valid blocks
   }
   if (reason) throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
@@ -82,7 +83,7 @@ std::vector<PlacedBlock*> withoutRepeats(const std::vector<PlacedBlock*>& blocks
   std::vector<PlacedBlock*> unique;
   std::unordered_set<const void*> found;
   for (PlacedBlock* block : blocks)
-    if (found.insert(block->block->source).second) unique.push_back(block);
+    if (found.insert(block->block->data).second) unique.push_back(block);
   return unique;
 }
 
@@ -132,7 +133,7 @@ std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const s
   const auto surface = std::make_shared<UploadedSurface>();
   for (PlacedBlock* block : blocks) {
     writer.write(*block);
-    surface->places.push_back({block->block->source, block->address});
+    surface->places.push_back({block->block->data, block->address});
     if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back())
       surface->buffers.push_back(writer.buffers.back());
   }
@@ -231,7 +232,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
 
   uploader.flush(); // before adding surfaces: scenes on other threads may use them at once
   for (const auto& surface : surfaces) {
-    for (PlacedBlock* block : builds[surface.first]) block->address = surface.second->addressOf(block->block->source);
+    for (PlacedBlock* block : builds[surface.first]) block->address = surface.second->addressOf(block->block->data);
     device.uploads.add(surface.first, surface.second);
     out.surfaces.push_back(surface.second);
   }

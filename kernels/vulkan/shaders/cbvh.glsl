@@ -59,6 +59,7 @@
 #include "instance.glsl"
 #include "mesh_block.glsl"
 #include "meshes.glsl"
+#include "tile.glsl"
 #include "vert_block.glsl"
 
 #ifndef CBVH_LEAF_KINDS
@@ -131,6 +132,8 @@ bool cbvhTraceLeaf(SceneData scene, CbvhPreparedRay ray, uint reference, const b
     return cbvhTraceGridLeaf(scene, ray, index, anyHit, hit);
   if (cbvhHasKind(firstRunReferenceType) && isRunType(type))
     return cbvhTraceRun(scene, ray, index, runLength(type), anyHit, hit);
+  if (cbvhHasKind(blockReferenceType(kindTile)) && type == blockReferenceType(kindTile))
+    return cbvhTraceTile(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(blockReferenceType(kindVert)) && type == blockReferenceType(kindVert))
     return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(movingBlockReferenceType) && type == movingBlockReferenceType)
