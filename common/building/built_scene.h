@@ -6,6 +6,7 @@
 #include "building/edge_rates.h"
 #include "building/embree_device.h"
 #include "building/representation.h"
+#include "building/stored_surface.h"
 #include "building/subdivision_geometry.h"
 #include "building/traced_scene.h"
 #include "building/vulkan_tracer.h"
@@ -14,20 +15,12 @@
 #include <embree3/rtcore_compression.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace programs {
-
-/* Each quad is the triangles 00, 10, 01 and 01, 10, 11. */
-struct StoredMesh {
-  std::vector<Vec3f> vertices;                // parts repeat border vertices: equal floats, for cGRID only in a face
-  std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01
-  std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
-};
 
 /* Largest spacing of cVERT's lattice, in pixels of a camera. */
 struct PixelBound {
@@ -97,6 +90,7 @@ public:
   const Representation& representation() const { return builtAs; }
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
+  FaceNumbers faces() const { return FaceNumbers(std::vector<size_t>(numGeometries, facesPerCopy)); }
 
   /* Saves a compressed scene (saved_scene.h). Replaces the file only on success. Throws Error. */
   void save(const std::string& path) const;
@@ -107,11 +101,10 @@ public:
   /* Hits on NAIVE's triangles are converted to faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
-  /* Writes the vertices of the stored triangle that a ray hit at `time`. Returns false for a miss, or if no triangle is
-   * stored there. Throws Error except for cVERT and cGRID. */
-  bool triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const;
+  /* Throws Error except for cTILE, cVERT and cGRID. `operation` names the operation in the message. */
+  void requireTriangles(const char* operation) const;
 
-  /* Throws Error except for cVERT and cGRID. */
+  /* Throws Error as requireTriangles. */
   StoredMesh storedMesh(float time = 0) const;
 
 private:

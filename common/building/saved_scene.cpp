@@ -15,22 +15,32 @@
 
 namespace programs {
 
-/* Here, so that programs that do not save also run with older libraries, which lack these functions. */
-void BuiltScene::save(const std::string& path) const {
+void saveGeometries(EmbreeDevice& device, RTCScene scene, size_t numGeometries, const std::string& path) {
   requireNoInputFile(path);
   CbvhFileWriter made = nullptr;
-  cbvhNewFileWriter(contextOf(device->handle()).get(), path.c_str(), &made);
+  cbvhNewFileWriter(contextOf(device.handle()).get(), path.c_str(), &made);
   const FileWriterHandle writer(made);
-  device->check("saving");
+  device.check("saving");
   Phase phase(path);
   for (size_t i = 0; i < numGeometries; i++) {
-    cbvhAppendSurface(writer.get(), surfaceOf(rtcGetGeometry(scene.get(), unsigned(i))).get());
-    device->check("saving");
+    cbvhAppendSurface(writer.get(), surfaceOf(rtcGetGeometry(scene, unsigned(i))).get());
+    device.check("saving");
     phase.update(double(i + 1) / double(numGeometries));
     throwIfCanceled();
   }
   cbvhCommitFileWriter(writer.get());
-  device->check("saving");
+  device.check("saving");
+}
+
+/* Here, so that programs that do not save also run with older libraries, which lack the functions above. */
+void BuiltScene::save(const std::string& path) const { saveGeometries(*device, scene.get(), numGeometries, path); }
+
+RTCCompressionStatistics compressionOf(EmbreeDevice& device, RTCScene scene) {
+  RTCCompressionStatistics statistics{};
+  statistics.structSize = sizeof(statistics);
+  rtcGetSceneCompressionStatistics(scene, &statistics);
+  device.check("reading the compression statistics");
+  return statistics;
 }
 
 /* Opening a geometry reads its tree. */
@@ -56,8 +66,9 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
     const GeometryHandle geometry(rtcNewGeometryFromSurface(device->handle(), surface.get()));
     rtcAttachGeometryByID(scene.get(), geometry.get(), unsigned(i));
   });
-  for (const CbvhFileSurfaceInfo& geometry : descriptions)
-    facesPerGeometry = std::max(facesPerGeometry, geometry.numPrimitives);
+  std::vector<size_t> facesOfGeometries;
+  for (const CbvhFileSurfaceInfo& geometry : descriptions) facesOfGeometries.push_back(geometry.numPrimitives);
+  numbers = FaceNumbers(facesOfGeometries);
   rtcCommitScene(scene.get());
   device->check("opening a file");
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
@@ -77,13 +88,13 @@ size_t SavedScene::bytes() const {
   return sum;
 }
 
-SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const {
+SurfaceHit surfaceHitOf(const RTCRayHit& ray, const FaceNumbers& faces) {
   SurfaceHit hit;
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
   hit.t = ray.ray.tfar;
   hit.u = ray.hit.u;
   hit.v = ray.hit.v;
-  hit.face = ray.hit.geomID * facesPerGeometry + ray.hit.primID;
+  hit.face = faces.number(ray.hit.geomID, ray.hit.primID);
   hit.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
   return hit;
 }

@@ -6,15 +6,26 @@
 /* Compressed scenes in files, opened without the model. */
 
 #include "building/embree_device.h"
+#include "building/face_numbers.h"
 #include "building/traced_scene.h"
 
 #include <embree3/cbvh.h>
+#include <embree3/rtcore_compression.h>
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace programs {
+
+/* Saves geometries 0 to numGeometries - 1 of a committed scene. Replaces the file only on success. Shows progress.
+ * Throws Error. */
+void saveGeometries(EmbreeDevice& device, RTCScene scene, size_t numGeometries, const std::string& path);
+
+RTCCompressionStatistics compressionOf(EmbreeDevice& device, RTCScene scene);
+
+/* Converts the hit or the miss of a ray on compressed geometries. */
+SurfaceHit surfaceHitOf(const RTCRayHit& ray, const FaceNumbers& faces);
 
 class SavedScene : public TracedScene {
 public:
@@ -27,9 +38,14 @@ public:
   size_t quads() const;
   size_t bytes() const;
 
-  /* Faces of geometry i are numbered from i * facesPerCopy(). */
-  SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
-  unsigned facesPerCopy() const { return facesPerGeometry; }
+  SurfaceHit surfaceHit(const RTCRayHit& ray) const override { return surfaceHitOf(ray, numbers); }
+  const FaceNumbers& faces() const { return numbers; }
+
+  /* Statistics of all geometries together. Throws Error. */
+  RTCCompressionStatistics compression() const { return compressionOf(*device, scene.get()); }
+
+  /* Saves all geometries. Replaces the file only on success. Throws Error. */
+  void save(const std::string& path) const { saveGeometries(*device, scene.get(), descriptions.size(), path); }
 
   /* Time from opening the file to the committed scene, without the device: wall-clock, and processor time of all
    * threads. */
@@ -47,7 +63,7 @@ private:
   std::unique_ptr<EmbreeTracer> embreeTracer;
   std::vector<CbvhFileSurfaceInfo> descriptions;
   std::vector<CbvhSurfaceStatistics> statistics;
-  unsigned facesPerGeometry = 1; // maximum over the geometries
+  FaceNumbers numbers;
   double opening = 0, openingProcessorSeconds = 0;
 };
 

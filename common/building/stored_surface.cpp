@@ -4,6 +4,7 @@
 /* A file of its own, so that the linker leaves it out of cbvh_bench: that program defines the Embree functions that it
  * calls (embree_calls.h), but not these. */
 
+#include "building/stored_surface.h"
 #include "building/built_scene.h"
 #include "building/surface_handles.h"
 #include "basics/error.h"
@@ -12,28 +13,21 @@
 #include <cstring>
 
 namespace programs {
-namespace {
 
-bool hasTriangles(const Representation& r) { return r.isExact() || r.kind == RepresentationKind::CGrid; }
-
-} // namespace
-
-bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const {
-  if (!hasTriangles(builtAs))
-    throw Error("looking up a triangle: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
+bool storedTriangle(const TracedScene& scene, const FaceNumbers& faces, const SurfaceHit& hit, float time,
+                    Vec3f vertices[3]) {
   if (!hit.hit()) return false;
+  const unsigned geomID = faces.geomID(hit.face);
   CbvhTriangle triangle;
-  const SurfaceHandle surface = surfaceOf(rtcGetGeometry(scene.get(), unsigned(hit.face / facesPerCopy)));
-  const bool found = cbvhFindTriangle(surface.get(), time, unsigned(hit.face % facesPerCopy), hit.u, hit.v,
-                                      &hit.normal.x, &triangle) != 0;
+  const SurfaceHandle surface = surfaceOf(rtcGetGeometry(scene.handle(), geomID));
+  const bool found =
+      cbvhFindTriangle(surface.get(), time, faces.primID(hit.face), hit.u, hit.v, &hit.normal.x, &triangle) != 0;
   if (found) std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
-  else device->check("looking up a triangle");
+  else scene.check();
   return found;
 }
 
-StoredMesh BuiltScene::storedMesh(float time) const {
-  if (!hasTriangles(builtAs))
-    throw Error("reading the surface: " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
+StoredMesh storedMesh(const TracedScene& scene, const FaceNumbers& faces, float time) {
   struct Collector {
     StoredMesh mesh;
     size_t firstFace = 0; // of the geometry whose parts are added
@@ -54,13 +48,23 @@ StoredMesh BuiltScene::storedMesh(float time) const {
       return !cancelRequested();
     }
   } collector;
-  for (size_t i = 0; i < numGeometries; i++) {
-    collector.firstFace = i * facesPerCopy;
-    cbvhForEachPart(surfaceOf(rtcGetGeometry(scene.get(), unsigned(i))).get(), time, Collector::add, &collector);
+  for (unsigned i = 0; i < faces.numGeometries(); i++) {
+    collector.firstFace = faces.number(i, 0);
+    cbvhForEachPart(surfaceOf(rtcGetGeometry(scene.handle(), i)).get(), time, Collector::add, &collector);
   }
-  device->check("reading the surface");
+  scene.check();
   throwIfCanceled();
   return std::move(collector.mesh);
+}
+
+void BuiltScene::requireTriangles(const char* operation) const {
+  if (!builtAs.isExact() && builtAs.kind != RepresentationKind::CGrid)
+    throw Error(std::string(operation) + ": " + builtAs.label() + " stores no triangles: expected cVERT or cGRID");
+}
+
+StoredMesh BuiltScene::storedMesh(float time) const {
+  requireTriangles("reading the surface");
+  return programs::storedMesh(*this, faces(), time);
 }
 
 } // namespace programs

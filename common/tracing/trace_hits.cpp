@@ -23,6 +23,14 @@ void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHi
   for (size_t i = 0; i < n; i++) hits[i] = scene.surfaceHit(batch[i]);
 }
 
+void traceAny(const TracedScene& scene, size_t n, const Ray* rays, char* hits) {
+  const FlushDenormals denormals;
+  std::vector<RTCRay> batch(n);
+  for (size_t i = 0; i < n; i++) load(rays[i], batch[i]);
+  scene.tracer().occluded(batch.data(), n);
+  for (size_t i = 0; i < n; i++) hits[i] = batch[i].tfar < 0.0f && !(rays[i].tfar < 0.0f);
+}
+
 std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads) {
   std::vector<SurfaceHit> hits(rays.size());
   parallelFor(rays.size(), chunkOf(scene), threads,

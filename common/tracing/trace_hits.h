@@ -10,8 +10,9 @@
 
 namespace programs {
 
-/* Traces n rays on the calling thread. */
+/* Trace n rays on the calling thread. traceAny sets hits[i] to 1 if ray i hits anything, otherwise to 0. */
 void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits);
+void traceAny(const TracedScene& scene, size_t n, const Ray* rays, char* hits);
 
 /* Throws Canceled. */
 std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads);

@@ -58,8 +58,8 @@ class Errors(unittest.TestCase):
         wrong = other.intersect(*self.rays)
         few = self.grid.intersect(*(a[0] for a in self.rays))
         for text, call in (
-            ("hits: .*model.* 25 faces.* 6", lambda: self.grid.compare(wrong, wrong, pixel_size)),
-            ("reference: .*model.* 25 faces", lambda: self.grid.compare(self.hits, wrong, pixel_size)),
+            ("hits: .*scene.* 25 faces.* 6", lambda: self.grid.compare(wrong, wrong, pixel_size)),
+            ("reference: .*scene.* 25 faces", lambda: self.grid.compare(self.hits, wrong, pixel_size)),
             ("reference: .* 160 rays.* 19200.*hits", lambda: self.grid.compare(self.hits, few, pixel_size)),
             ("reference: .* 160 rays", lambda: cbvh.pixel_errors(self.hits, few, pixel_size)),
             ("pixel_size: .* 0.* 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),

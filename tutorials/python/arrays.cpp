@@ -63,9 +63,15 @@ void throwValueError(const std::string& argument, const std::string& why) {
   throw py::value_error(argument + ": " + why);
 }
 
-Floats floats(const py::object& value, const std::string& argument) {
-  return Floats(numbers(value, argument, "fiub", "real numbers"));
+py::array realNumbers(const py::object& value, const std::string& argument) {
+  return numbers(value, argument, "fiub", "real numbers");
 }
+
+py::array integers(const py::object& value, const std::string& argument) {
+  return numbers(value, argument, "iu", "integers");
+}
+
+Floats floats(const py::object& value, const std::string& argument) { return Floats(realNumbers(value, argument)); }
 
 std::vector<float> floatVector(const py::object& value, const std::string& argument) {
   const Floats array = floats(value, argument);
@@ -81,18 +87,26 @@ std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argume
   return vectors<Vec3f>(value, argument);
 }
 
-Vec3f vec3(const py::object& value, const std::string& argument) {
-  const Floats array = floats(value, argument);
+Vec3d vec3d(const py::object& value, const std::string& argument) {
+  const py::array_t<double, py::array::c_style | py::array::forcecast> array(realNumbers(value, argument));
   if (shapeOf(array) != Shape{3})
     throwValueError(argument, "has shape " + shapeText(shapeOf(array)) + ": expected (3,)");
-  const Vec3f v{array.data()[0], array.data()[1], array.data()[2]};
-  if (!isFinite(v)) throwValueError(argument, "is not finite: expected finite numbers");
+  const Vec3d v{array.data()[0], array.data()[1], array.data()[2]};
+  if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+    throwValueError(argument, "is not finite: expected finite numbers");
   return v;
+}
+
+Vec3f vec3(const py::object& value, const std::string& argument) {
+  const Vec3d v = vec3d(value, argument);
+  const Vec3f rounded{float(v.x), float(v.y), float(v.z)};
+  if (!isFinite(rounded)) throwValueError(argument, "is not finite: expected finite numbers");
+  return rounded;
 }
 
 std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
                               std::optional<unsigned> none) {
-  const py::array given = numbers(value, argument, "iu", "integers");
+  const py::array given = integers(value, argument);
   const bool isUnsigned = given.dtype().kind() == 'u';
   const Integers array(given);
   shape = shapeOf(array);

@@ -32,7 +32,9 @@ Shape shapeOf(const py::array& array);
 
 /* --- arguments ---------------------------------------------------------------- */
 
-/* Accepts any shape. Rejects masked elements, as do the functions below. */
+/* Accepts any shape and any type of real numbers. Rejects masked elements, as do the functions below. */
+py::array realNumbers(const py::object& value, const std::string& argument);
+py::array integers(const py::object& value, const std::string& argument);
 Floats floats(const py::object& value, const std::string& argument);
 
 /* Shapes (n,), (n, 2) and (n, 3). The last two must be finite. */
@@ -40,8 +42,9 @@ std::vector<float> floatVector(const py::object& value, const std::string& argum
 std::vector<Vec2f> vec2Vector(const py::object& value, const std::string& argument);
 std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argument);
 
-/* Requires shape (3,), finite. */
+/* Require shape (3,), finite. */
 Vec3f vec3(const py::object& value, const std::string& argument);
+Vec3d vec3d(const py::object& value, const std::string& argument);
 
 /* Requires 0 to limit - 1, or `none`. Writes the argument's shape to `shape`. */
 std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,

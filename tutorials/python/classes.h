@@ -10,8 +10,11 @@ namespace programs::python {
 namespace py = pybind11;
 
 void defineCage(py::module_& module);
-void defineModel(py::module_& module);  // after Cage
-void defineCamera(py::module_& module); // after Hits
-void defineScene(py::module_& module);  // after Model, Camera and Hits
+void defineModel(py::module_& module);       // after Cage
+void defineCamera(py::module_& module);      // after Hits
+void defineGeometries(py::module_& module);  // after Model
+void defineScene(py::module_& module);       // after Camera, Hits and the geometries
+void defineModelScene(py::module_& module);  // after Scene
+void defineLoadedScene(py::module_& module); // after Scene
 
 } // namespace programs::python

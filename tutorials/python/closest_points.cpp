@@ -51,8 +51,8 @@ Found find(const TracedScene& scene, const std::vector<Ray>& rays, unsigned thre
 
 } // namespace
 
-py::tuple closestPoints(const TracedScene& scene, size_t facesPerCopy, size_t faces, const py::object& points,
-                        const py::object& radius, const py::object& time, unsigned threads) {
+py::tuple closestPoints(const TracedScene& scene, const std::shared_ptr<const FaceNumbers>& faces,
+                        const py::object& points, const py::object& radius, const py::object& time, unsigned threads) {
   const Shape given = shapeOf(floats(points, "points"));
   if (given.empty() || given.back() != 3)
     throwValueError("points", "has shape " + shapeText(given) + ": expected (..., 3)");
@@ -66,7 +66,7 @@ py::tuple closestPoints(const TracedScene& scene, size_t facesPerCopy, size_t fa
   shape.push_back(3);
   const py::array_t<float> positions =
       arrayOf<float>(shape, [&](size_t i) { return (&found.positions[i / 3].x)[i % 3]; });
-  auto hits = std::make_shared<Hits>(Hits{std::move(rays.shape), std::move(found.hits), facesPerCopy, faces});
+  auto hits = std::make_shared<Hits>(Hits{std::move(rays.shape), std::move(found.hits), faces});
   return py::make_tuple(positions, hits);
 }
 

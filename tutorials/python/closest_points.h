@@ -11,9 +11,8 @@
 
 namespace programs::python {
 
-/* Arguments as for Scene.closest_points, except for `threads`, which is at least 1. Returns positions and Hits. faces:
- * of the model. */
-py::tuple closestPoints(const TracedScene& scene, size_t facesPerCopy, size_t faces, const py::object& points,
-                        const py::object& radius, const py::object& time, unsigned threads);
+/* Arguments as for Scene.closest_points, except for `threads`, which is at least 1. Returns positions and Hits. */
+py::tuple closestPoints(const TracedScene& scene, const std::shared_ptr<const FaceNumbers>& faces,
+                        const py::object& points, const py::object& radius, const py::object& time, unsigned threads);
 
 } // namespace programs::python

@@ -13,7 +13,7 @@ namespace programs::python {
 namespace {
 
 /* The shape without the last axis. */
-Shape shapeOfVectors(const Floats& array, const std::string& argument) {
+Shape shapeOfVectors(const py::array& array, const std::string& argument) {
   Shape shape = shapeOf(array);
   if (shape.empty() || shape.back() != 3)
     throwValueError(argument, "has shape " + shapeText(shape) + ": expected (..., 3)");
@@ -23,8 +23,9 @@ Shape shapeOfVectors(const Floats& array, const std::string& argument) {
 
 py::tuple tupleOf(const Shape& shape) { return py::tuple(py::cast(shape)); }
 
-Floats broadcast(const Floats& array, const Shape& shape) {
-  return Floats(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
+template<typename Array>
+Array broadcast(const Array& array, const Shape& shape) {
+  return Array(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
 }
 
 template<typename T>
@@ -67,14 +68,16 @@ std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b) {
 
 } // namespace
 
-Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
-              const py::object& time) {
-  const Floats o = floats(origins, "origins"), d = floats(directions, "directions");
-  const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar"), m = floats(time, "time");
-  std::for_each(m.data(), m.data() + m.size(), requireTime);
+template<typename T>
+RayArrays<T> readRayArrays(const py::object& origins, const py::object& directions, const py::object& tnear,
+                           const py::object& tfar, const py::object& time) {
+  using Array = typename RayArrays<T>::Array;
+  const Array o(realNumbers(origins, "origins")), d(realNumbers(directions, "directions"));
+  const Array n(realNumbers(tnear, "tnear")), f(realNumbers(tfar, "tfar")), m(realNumbers(time, "time"));
+  std::for_each(m.data(), m.data() + m.size(), [](T t) { requireTime(float(t)); });
   const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f),
                            shapeOf(m)};
-  Rays result;
+  RayArrays<T> result;
   try {
     const py::object shape = py::module_::import("numpy").attr("broadcast_shapes")(
         tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]), tupleOf(shapes[4]));
@@ -88,12 +91,25 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
   }
   Shape vectors = result.shape;
   vectors.push_back(3);
-  const Floats os = broadcast(o, vectors), ds = broadcast(d, vectors);
-  const Floats ns = broadcast(n, result.shape), fs = broadcast(f, result.shape), ms = broadcast(m, result.shape);
-  result.rays.resize(size_t(ns.size()));
+  result.origins = broadcast(o, vectors);
+  result.directions = broadcast(d, vectors);
+  result.tnear = broadcast(n, result.shape);
+  result.tfar = broadcast(f, result.shape);
+  result.time = broadcast(m, result.shape);
+  return result;
+}
+
+template RayArrays<double> readRayArrays(const py::object&, const py::object&, const py::object&, const py::object&,
+                                         const py::object&);
+
+Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
+              const py::object& time) {
+  RayArrays<float> arrays = readRayArrays<float>(origins, directions, tnear, tfar, time);
+  Rays result{std::move(arrays.shape), std::vector<Ray>(size_t(arrays.tnear.size()))};
   for (size_t i = 0; i < result.rays.size(); i++) {
-    const float *const p = os.data() + 3 * i, *const v = ds.data() + 3 * i;
-    result.rays[i] = {{p[0], p[1], p[2]}, ns.data()[i], {v[0], v[1], v[2]}, fs.data()[i], ms.data()[i]};
+    const float *const p = arrays.origins.data() + 3 * i, *const v = arrays.directions.data() + 3 * i;
+    result.rays[i] = {
+        {p[0], p[1], p[2]}, arrays.tnear.data()[i], {v[0], v[1], v[2]}, arrays.tfar.data()[i], arrays.time.data()[i]};
   }
   return result;
 }
@@ -130,6 +146,9 @@ hits can be compared.)")
           "u", [](const py::object& self) { return member(self, &SurfaceHit::u); },
           R"((...) float32: parameter of the face, from 0 to 1; 0 for a miss.
 
+A Grid has u along its columns and v along its rows: they are 0 at sample [0, 0], and 1 at the last ones. On a triangle,
+u and v are the weights of its second and third vertex. A quad 0, 1, 2, 3 is (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
+
 A face of n != 4 vertices is n patches, one per corner: at corner i, u is from 0.5 to 1.5 plus 2*(i % 4), and v from 0.5
 to 1.5 plus 2*(i // 4), as Embree reports them.)")
       .def_property_readonly(
@@ -139,11 +158,13 @@ to 1.5 plus 2*(i // 4), as Embree reports them.)")
           "Ng", [](const py::object& self) { return member(self, &SurfaceHit::normal); },
           "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalized; 0 for a miss.")
       .def_property_readonly(
-          "primID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f % h.facesPerCopy; }); },
-          "(...) uint32: face of the cage, from 0; 2**32 - 1 for a miss.")
+          "primID", [](const Hits& h) { return ids(h, [&](unsigned f) { return h.faces->primID(f); }); },
+          "(...) uint32: face of a cage or mesh, from 0; 0 for a Grid; 2**32 - 1 for a miss.")
       .def_property_readonly(
-          "geomID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f / h.facesPerCopy; }); },
-          "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 for a miss.")
+          "geomID", [](const Hits& h) { return ids(h, [&](unsigned f) { return h.faces->geomID(f); }); },
+          R"((...) uint32: index of the geometry in the scene; 2**32 - 1 for a miss.
+
+In a ModelScene it is the copy of the cage, 0 unless the model has several.)")
       .def_property_readonly(
           "shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
       .def("__repr__", repr);

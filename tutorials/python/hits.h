@@ -7,10 +7,26 @@
 
 #include "arrays.h"
 
+#include "building/face_numbers.h"
 #include "building/surface_hit.h"
 #include "tracing/ray.h"
 
+#include <memory>
+
 namespace programs::python {
+
+/* Arguments as for Scene.intersect, broadcast by NumPy's rules. */
+template<typename T>
+struct RayArrays {
+  using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+  Shape shape;
+  Array origins, directions, tnear, tfar, time;
+};
+
+template<typename T>
+RayArrays<T> readRayArrays(const py::object& origins, const py::object& directions, const py::object& tnear,
+                           const py::object& tfar, const py::object& time);
 
 struct Rays {
   Shape shape;
@@ -25,7 +41,7 @@ Rays readRays(const py::object& origins, const py::object& directions);
 struct Hits {
   Shape shape;
   std::vector<SurfaceHit> hits;
-  size_t facesPerCopy = 0, faces = 0; // of the model
+  std::shared_ptr<const FaceNumbers> faces; // of the scene
 };
 
 /* Raises ValueError unless the time is from 0 to 1. */

@@ -60,5 +60,8 @@ PYBIND11_MODULE(embree_cbvh, module) {
   defineCage(module);
   defineModel(module);
   defineCamera(module);
+  defineGeometries(module);
   defineScene(module);
+  defineModelScene(module);
+  defineLoadedScene(module);
 }
