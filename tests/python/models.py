@@ -5,7 +5,6 @@
 
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -54,17 +53,6 @@ class Heights(unittest.TestCase):
         np.testing.assert_array_equal(of_file, of_text)
         self.assertGreater(np.ptp(of_file), 0.02)
         np.testing.assert_allclose(of_file, of_array, atol=0.1 * DIAGONAL / 255)
-
-    def test_example_of_the_documentation_reproduces_a_raster(self):
-        page = pathlib.Path(__file__).resolve().parents[2] / "docs/terrain.md"
-        code = re.search(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL).group(1)
-        heights = np.random.default_rng(1).uniform(300, 310, (65, 129)).astype(np.float32)
-        rows, columns = np.indices(heights.shape)[:, 2:-2:7, 2:-2:5].reshape(2, -1)
-        origins = np.stack([2.0 * columns, -2.0 * rows, 0.0 * rows + 1000], -1)
-        names = {"heights": heights, "cell": 2.0, "origins": origins, "directions": [0, 0, -1]}
-        exec(compile(code, page, "exec"), names)  # pylint: disable=exec-used
-        self.assertTrue(names["hits"].hit.all())
-        np.testing.assert_allclose(1000 - 2 * names["hits"].t, heights[rows, columns], atol=0.05)
 
     def test_array_leaves_no_file(self):
         with tempfile.TemporaryDirectory() as folder:

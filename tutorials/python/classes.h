@@ -16,5 +16,6 @@ void defineGeometries(py::module_& module);  // after Model
 void defineScene(py::module_& module);       // after Camera, Hits and the geometries
 void defineModelScene(py::module_& module);  // after Scene
 void defineLoadedScene(py::module_& module); // after Scene
+void defineTerrain(py::module_& module);
 
 } // namespace programs::python

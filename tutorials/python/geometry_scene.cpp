@@ -39,15 +39,22 @@ BuiltGeometries::BuiltGeometries(const Representation& representation, unsigned 
     scene(rtcNewScene(device->handle())) {}
 
 void BuiltGeometries::add(const Geometry& geometry, const std::string& name) {
-  if (const auto* surface = dynamic_cast<const SurfaceGeometry*>(&geometry)) addSurface(*surface, name);
-  else addModel(dynamic_cast<const ModelGeometry&>(geometry));
+  const auto* input = dynamic_cast<const SurfaceGeometry*>(&geometry);
+  if (!input) {
+    addModel(dynamic_cast<const ModelGeometry&>(geometry));
+    return;
+  }
+  const SurfaceHandle surface = build(*input, name);
+  const GeometryHandle built(rtcNewGeometryFromSurface(device->handle(), surface.get()));
+  check("adding a surface");
+  attach(built.get(), geometry.numPrimitives());
 }
 
-void BuiltGeometries::addSurface(const SurfaceGeometry& geometry, const std::string& name) {
+SurfaceHandle BuiltGeometries::build(const SurfaceGeometry& geometry, const std::string& name) const {
   const std::string operation = "building " + name;
   CbvhSurface made = nullptr;
   cbvhNewSurface(context().get(), &made);
-  const SurfaceHandle surface(made);
+  SurfaceHandle surface(made);
   check(operation.c_str());
   if (geometry.maxError && *geometry.maxError == 0.0f) cbvhSetSurfaceLossless(surface.get(), 1);
   else if (geometry.maxError) {
@@ -63,7 +70,7 @@ void BuiltGeometries::addSurface(const SurfaceGeometry& geometry, const std::str
     cbvhCommitSurface(surface.get(), reportProgress, &phase);
   }
   check(operation.c_str());
-  add(surface.get(), geometry.numPrimitives());
+  return surface;
 }
 
 /* The commit of the scene tessellates the model. */
@@ -77,12 +84,6 @@ void BuiltGeometries::addModel(const ModelGeometry& geometry) {
   const SharedTopology topology(*device, model.cage, model.poses);
   attach(topology.makeGeometry(model.copies[0], *contexts.back(), &arguments, model.shapeOf(0)).get(),
          geometry.numPrimitives());
-}
-
-void BuiltGeometries::add(CbvhSurface surface, size_t faces) {
-  const GeometryHandle geometry(rtcNewGeometryFromSurface(device->handle(), surface));
-  check("adding a surface");
-  attach(geometry.get(), faces);
 }
 
 void BuiltGeometries::attach(RTCGeometry geometry, size_t faces) {

@@ -28,8 +28,8 @@ public:
   /* Adds a geometry, whose ID is the number of those before. Its arrays are read during the call. */
   void add(const Geometry& geometry, const std::string& name);
 
-  /* Adds a committed surface of context(). `faces`: number of its primitives. */
-  void add(CbvhSurface surface, size_t faces);
+  /* Builds a surface without adding it. */
+  SurfaceHandle build(const SurfaceGeometry& geometry, const std::string& name) const;
 
   ContextHandle context() const { return contextOf(device->handle()); }
 
@@ -51,7 +51,6 @@ public:
   size_t peakBytes() const { return device->memory().peak(); }
 
 private:
-  void addSurface(const SurfaceGeometry& geometry, const std::string& name);
   void addModel(const ModelGeometry& geometry);
   void attach(RTCGeometry geometry, size_t faces);
 

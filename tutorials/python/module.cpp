@@ -18,7 +18,7 @@
 namespace programs::python { namespace {
 
 constexpr const char* moduleText =
-    R"(Builds, traces and compares displaced subdivision surfaces in the representations of Embree CBVH.
+    R"(Builds, traces and compares surfaces in the representations of Embree CBVH.
 
     import embree_cbvh as cbvh
 
@@ -28,6 +28,9 @@ constexpr const char* moduleText =
     camera = scene.camera("full", (800, 600))
     hits = scene.intersect(*cbvh.primary_rays(camera))      # hits.t, hits.Ng, ... of shape (600, 800)
     scene.statistics()["bytes_per_quad"]
+
+    scene = cbvh.Scene([cbvh.Grid(points), cbvh.Mesh(vertices, indices), model])   # hits.geomID is the index
+    terrain = cbvh.terrain(heights, cell=2, origin=(x, y))  # a raster of any size, in coordinates of 64 bits
 
 Long calls let other Python threads run and can be stopped with Ctrl-C.)";
 
@@ -64,4 +67,5 @@ PYBIND11_MODULE(embree_cbvh, module) {
   defineScene(module);
   defineModelScene(module);
   defineLoadedScene(module);
+  defineTerrain(module);
 }
