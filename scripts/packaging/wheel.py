@@ -9,6 +9,7 @@
 Requires Debian, patchelf, readelf, nm and strip. LIBRARIES-DIRECTORY is that of wheel_libraries.sh. The wheel contains
 
     embree_cbvh/__init__.*.so   the module, once per version of CPython
+    embree_cbvh/__init__.pyi    its type stubs, and py.typed, which type checkers look for
     embree_cbvh/trimesh_rays.py a ray engine for trimesh
     embree_cbvh/lib/            libembree_cbvh, libembree3_vulkan, and the libraries that they need
     embree_cbvh/bin/            the programs; scripts of the same names start them
@@ -246,6 +247,8 @@ def main():
         rename_libraries(copies, binaries)
         shutil.copytree(ROOT / "include/cbvh", package / "include/cbvh")
         shutil.copyfile(ROOT / "tutorials/python/trimesh_rays.py", package / "trimesh_rays.py")
+        shutil.copyfile(ROOT / "tutorials/python/embree_cbvh.pyi", package / "__init__.pyi")
+        (package / "py.typed").touch()  # the package has type stubs
         copy_licenses(sources, libraries, stage / info / "licenses")
         write_metadata(stage / info, version, [f"{major}.{minor}" for major, minor in modules], tag)
         shutil.copyfile(build / "sources.sha256", stage / info / "sources.sha256")  # for scripts/prebuilt.sh

@@ -21,6 +21,7 @@ mv "$work/first" "$work/prefix"
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/compare_representations.py" ]
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/skin_triangles.py" ]
 module=$(find "$work/prefix" -name 'embree_cbvh*.so')
+[ -f "$(dirname "$module")/embree_cbvh.pyi" ]
 PYTHONPATH=$(dirname "$module") "$@" -B - "$work/prefix" "$version" << 'CODE'
 import sys
 import embree_cbvh
