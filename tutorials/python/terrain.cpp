@@ -9,15 +9,13 @@
 #include "hits.h"
 #include "interruptible.h"
 #include "json_objects.h"
-#include "terrain_hits.h"
+#include "terrain.h"
 
 #include "basics/error.h"
 #include "basics/input_files.h"
-#include "basics/parallel.h"
 #include "basics/seconds.h"
 #include "building/saved_scene.h"
 #include "programs/compression_json.h"
-#include "tracing/trace_hits.h"
 
 #include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
@@ -91,69 +89,6 @@ private:
   const Georeference& space;
   size_t row, column, numRows, numColumns;
   Doubles heights;
-};
-
-/* --- terrain --------------------------------------------------------------------- */
-
-class Terrain {
-public:
-  Terrain(const Georeference& space, std::unique_ptr<const TracedScene> scene, double seconds)
-    : space(space),
-      scene(std::move(scene)),
-      seconds(seconds) {}
-
-  TerrainHits intersect(const RayArrays<double>& rays, unsigned threads) const {
-    const Box3f box = scene->bounds();
-    TerrainHits result(rays.shape, space);
-    result.hits.resize(size_t(rays.tnear.size()));
-    parallelFor(result.hits.size(), chunk, threads, [&](size_t begin, size_t end) {
-      std::vector<Georeference::SceneRay> converted(end - begin);
-      std::vector<Ray> batch(end - begin);
-      std::vector<SurfaceHit> hits(end - begin);
-      for (size_t i = begin; i < end; i++) batch[i - begin] = (converted[i - begin] = rayOf(rays, i, box)).ray;
-      traceClosest(*scene, end - begin, batch.data(), hits.data());
-      for (size_t i = begin; i < end; i++) {
-        const SurfaceHit& hit = hits[i - begin];
-        if (!hit.hit()) continue;
-        const Georeference::SceneRay& ray = converted[i - begin];
-        TerrainHit& out = result.hits[i];
-        out.t = ray.start + ray.scale * double(hit.t);
-        out.position = vectorAt(rays.origins, i) + out.t * vectorAt(rays.directions, i);
-        out.normal = space.normal(hit.normal);
-      }
-    });
-    scene->check();
-    return result;
-  }
-
-  std::vector<char> occluded(const RayArrays<double>& rays, unsigned threads) const {
-    const Box3f box = scene->bounds();
-    std::vector<char> result(size_t(rays.tnear.size()));
-    parallelFor(result.size(), chunk, threads, [&](size_t begin, size_t end) {
-      std::vector<Ray> batch(end - begin);
-      for (size_t i = begin; i < end; i++) batch[i - begin] = rayOf(rays, i, box).ray;
-      traceAny(*scene, batch.size(), batch.data(), &result[begin]);
-    });
-    scene->check();
-    return result;
-  }
-
-  const Georeference space;
-  const std::unique_ptr<const TracedScene> scene;
-  const double seconds;
-
-private:
-  static constexpr size_t chunk = 4096;
-
-  static Vec3d vectorAt(const Doubles& array, size_t i) {
-    const double* const v = array.data() + 3 * i;
-    return {v[0], v[1], v[2]};
-  }
-
-  Georeference::SceneRay rayOf(const RayArrays<double>& rays, size_t i, const Box3f& box) const {
-    return space.ray(vectorAt(rays.origins, i), vectorAt(rays.directions, i), rays.tnear.data()[i], rays.tfar.data()[i],
-                     box);
-  }
 };
 
 /* --- arguments --------------------------------------------------------------------- */
@@ -444,8 +379,8 @@ void defineTerrain(py::module_& module) {
   using py::arg;
   const py::float_ zero(0.0), infinity(INFINITY);
   defineTerrainHits(module);
-  py::class_<Terrain, std::shared_ptr<Terrain>>(module, "Terrain", terrainText)
-      .def_static("load", &load, arg("path"), py::kw_only(), arg("threads") = 0, loadText)
+  py::class_<Terrain, std::shared_ptr<Terrain>> terrain(module, "Terrain", terrainText);
+  terrain.def_static("load", &load, arg("path"), py::kw_only(), arg("threads") = 0, loadText)
       .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
            py::kw_only(), arg("threads") = 0, intersectText)
       .def("occluded", &occluded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
@@ -472,6 +407,7 @@ void defineTerrain(py::module_& module) {
       .def("__repr__", [](const Terrain& t) {
         return "<Terrain of " + std::to_string(t.space.rows) + " x " + std::to_string(t.space.columns) + " samples>";
       });
+  defineHorizons(terrain);
   module.def("terrain", &makeTerrain, arg("heights"), arg("cell") = 1.0, arg("origin") = py::make_tuple(0.0, 0.0),
              py::kw_only(), arg("max_error") = py::none(), arg("nodata") = py::none(),
              arg("representation") = optionNameOf(preferredKind), arg("path") = py::none(), arg("threads") = 0,
