@@ -112,8 +112,7 @@ public:
     info.stage.pSpecializationInfo = &specialization;
     info.layout = layout;
     VkPipeline pipeline;
-    require(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-            "vkCreateComputePipelines");
+    require(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
     vkDestroyPipelineLayout(device, layout, nullptr);
     vkDestroyShaderModule(device, module, nullptr);
     return pipeline;
@@ -121,8 +120,8 @@ public:
 
   // Sum of the statistics with a name over all executables of a pipeline.
   uint64_t statistic(VkPipeline pipeline, const char* name) const {
-    const auto get = (PFN_vkGetPipelineExecutableStatisticsKHR)vkGetDeviceProcAddr(
-        device, "vkGetPipelineExecutableStatisticsKHR");
+    const auto get =
+        (PFN_vkGetPipelineExecutableStatisticsKHR)vkGetDeviceProcAddr(device, "vkGetPipelineExecutableStatisticsKHR");
     VkPipelineExecutableInfoKHR info = {VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR};
     info.pipeline = pipeline;
     uint32_t count = 0;

@@ -97,11 +97,10 @@ TEST_F(VulkanTiles, StitchedEdgesAndHolesHaveTheHitsOfBlocks) {
         const unsigned a = cage.indices[k + e], b = cage.indices[k + (e + 1) % cage.faces[f]];
         settings.edgeRates.push_back(float(9 + (a * 7 + b * 7 + a * b * 3 + i * 5) % 23));
       }
-    compare(raysAt(random, 5000),
-            [&](RTCScene scene, RTCCompression form) {
-              settings.compression = form;
-              addSurface(embree, scene, cage, settings);
-            });
+    compare(raysAt(random, 5000), [&](RTCScene scene, RTCCompression form) {
+      settings.compression = form;
+      addSurface(embree, scene, cage, settings);
+    });
     embree.takeError(); // reports the vertices
   }
   EXPECT_EQ(tileScenes, 4u);
@@ -109,15 +108,13 @@ TEST_F(VulkanTiles, StitchedEdgesAndHolesHaveTheHitsOfBlocks) {
 
 TEST_F(VulkanTiles, GridsAndMeshesHaveTheHitsOfBlocks) {
   for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(3, 16), dicedSheet(1, 300), dicedBall(2, 11)})
-    compare(raysAt(random, 3000), [&](RTCScene scene, RTCCompression form) {
-      attach(scene, newGrids(embree, diced, form));
-    });
+    compare(raysAt(random, 3000),
+            [&](RTCScene scene, RTCCompression form) { attach(scene, newGrids(embree, diced, form)); });
   for (QuadOrder order : allQuadOrders) {
     const DicedMesh quads = meshOf(dicedSheet(3, 16), order, random);
     for (const DicedMesh& mesh : {quads, halvesApart(trianglesOf(quads, 0, 1)), trianglesOf(quads, 1, 2)})
-      compare(raysAt(random, 2000), [&](RTCScene scene, RTCCompression form) {
-        attach(scene, newMesh(embree, mesh, form));
-      });
+      compare(raysAt(random, 2000),
+              [&](RTCScene scene, RTCCompression form) { attach(scene, newMesh(embree, mesh, form)); });
   }
   EXPECT_GT(tileScenes, 4u);
 }
