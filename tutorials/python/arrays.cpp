@@ -88,7 +88,7 @@ std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argume
 }
 
 Vec3d vec3d(const py::object& value, const std::string& argument) {
-  const py::array_t<double, py::array::c_style | py::array::forcecast> array(realNumbers(value, argument));
+  const Doubles array(realNumbers(value, argument));
   if (shapeOf(array) != Shape{3})
     throwValueError(argument, "has shape " + shapeText(shapeOf(array)) + ": expected (3,)");
   const Vec3d v{array.data()[0], array.data()[1], array.data()[2]};

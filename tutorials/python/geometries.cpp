@@ -17,6 +17,15 @@
 
 namespace programs::python {
 
+CbvhError setGrid(CbvhSurface surface, size_t rows, size_t columns, size_t rowStride, const CbvhVertices& vertices) {
+  const CbvhGrid grid = {0, unsigned(rowStride), (unsigned short)columns, (unsigned short)rows};
+  CbvhGrids grids = CbvhGrids();
+  grids.numGrids = 1;
+  grids.grids = &grid;
+  grids.vertices = vertices;
+  return cbvhSetSurfaceGrids(surface, &grids);
+}
+
 size_t ModelGeometry::numPrimitives() const { return model->cage.numFaces(); }
 unsigned ModelGeometry::steps() const { return unsigned(1 + model->poses.size()); }
 std::string ModelGeometry::description() const {
@@ -41,13 +50,7 @@ public:
   }
 
   CbvhError setInput(CbvhSurface surface, std::vector<Vec3f>&) const override {
-    const CbvhGrid grid = {0, unsigned(points.rowStride()), (unsigned short)points.columns(),
-                           (unsigned short)points.rows()};
-    CbvhGrids grids = CbvhGrids();
-    grids.numGrids = 1;
-    grids.grids = &grid;
-    grids.vertices = points.vertices(startTime, endTime);
-    return cbvhSetSurfaceGrids(surface, &grids);
+    return setGrid(surface, points.rows(), points.columns(), points.rowStride(), points.vertices(startTime, endTime));
   }
 
 private:
@@ -138,7 +141,7 @@ std::shared_ptr<Grid> makeGrid(const py::object& points, const std::optional<flo
 
 /* One number holds for both axes. */
 std::pair<double, double> readCell(const py::object& value) {
-  const py::array_t<double, py::array::c_style | py::array::forcecast> cell(realNumbers(value, "cell"));
+  const Doubles cell(realNumbers(value, "cell"));
   if (cell.ndim() > 1 || (cell.size() != 1 && cell.size() != 2))
     throwValueError("cell", "has shape " + shapeText(shapeOf(cell)) + ": expected one or two numbers");
   const double x = cell.data()[0], y = cell.data()[cell.size() - 1];

@@ -43,6 +43,9 @@ public:
   float startTime = 0, endTime = 1;
 };
 
+/* Sets the input of a surface to one grid. rowStride: vertices from one row to the next. */
+CbvhError setGrid(CbvhSurface surface, size_t rows, size_t columns, size_t rowStride, const CbvhVertices& vertices);
+
 /* A subdivision surface. */
 class ModelGeometry : public Geometry {
 public:

@@ -50,12 +50,7 @@ CbvhError HeightGrid::setInput(CbvhSurface surface, std::vector<Vec3f>& scratch)
   scratch.emplace_back();
   std::vector<const float*> starts;
   for (size_t step = 0; step < steps(); step++) starts.push_back(&scratch[step * perStep].x);
-  const CbvhGrid grid = {0, unsigned(columns), (unsigned short)columns, (unsigned short)rows};
-  CbvhGrids grids = CbvhGrids();
-  grids.numGrids = 1;
-  grids.grids = &grid;
-  grids.vertices = {perStep, sizeof(Vec3f), starts.data(), steps(), startTime, endTime};
-  return cbvhSetSurfaceGrids(surface, &grids);
+  return setGrid(surface, rows, columns, columns, {perStep, sizeof(Vec3f), starts.data(), steps(), startTime, endTime});
 }
 
 } // namespace programs::python

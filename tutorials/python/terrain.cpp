@@ -30,7 +30,6 @@ namespace programs::python {
 namespace {
 
 namespace fs = std::filesystem;
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 constexpr size_t tileQuads = 1024; // along a side of a tile
 constexpr double defaultErrorInCells = 1.0 / 128;
@@ -76,13 +75,8 @@ public:
     scratch.resize(numRows * numColumns + 1); // the library reads beyond the last vertex
     for (size_t i = 0; i < numRows * numColumns; i++)
       scratch[i] = space.vertex(row + i / numColumns, column + i % numColumns, heights.data()[i]);
-    const CbvhGrid grid = {0, unsigned(numColumns), (unsigned short)numColumns, (unsigned short)numRows};
     const float* const steps[1] = {&scratch[0].x};
-    CbvhGrids grids = CbvhGrids();
-    grids.numGrids = 1;
-    grids.grids = &grid;
-    grids.vertices = {numRows * numColumns, sizeof(Vec3f), steps, 1, 0, 0};
-    return cbvhSetSurfaceGrids(surface, &grids);
+    return setGrid(surface, numRows, numColumns, numColumns, {numRows * numColumns, sizeof(Vec3f), steps, 1, 0, 0});
   }
 
 private:

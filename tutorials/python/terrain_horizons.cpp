@@ -13,8 +13,6 @@
 namespace programs::python {
 namespace {
 
-using Doubles = RayArrays<double>::Array;
-
 /* Requires shape (..., 3), finite. Writes the shape without the last axis. */
 std::vector<Vec3d> readPoints(const py::object& value, const std::string& argument, Shape& shape) {
   const Doubles array(realNumbers(value, argument));

@@ -175,15 +175,7 @@ uint cbvhLeafTriangles(CbvhTile tile, CbvhPreparedRay ray, CbvhShear shear, uint
   [[dont_unroll]] for (uint j = 0u; j <= leafQuadsY; j++) {
     vec2 row[5];
     cbvhShearedRow(tile, ray, shear, x, y + j, row);
-    if (j > 0u) [[unroll]]
-      for (uint i = 0u; i < 4u; i++) {
-        float diag = cbvhEdgeSide(below[i + 1u], row[i]), left = cbvhEdgeSide(row[i], below[i]),
-              bottom = cbvhEdgeSide(below[i], below[i + 1u]);
-        float right = cbvhEdgeSide(below[i + 1u], row[i + 1u]), top = cbvhEdgeSide(row[i + 1u], row[i]);
-        uint bit = 2u * (4u * (j - 1u) + i);
-        if (mayContain(diag, left, bottom)) mask |= 1u << bit;
-        if (mayContain(right, top, -diag)) mask |= 2u << bit;
-      }
+    if (j > 0u) mask |= cbvhRowTriangles(below, row) << (8u * (j - 1u));
     below = row;
   }
   return mask;
@@ -199,16 +191,9 @@ bool cbvhIntersectLeafTriangle(CbvhTile tile, CbvhPreparedRay ray, CbvhShear she
     uint corner = cornerOfTriangle(triangle, v);
     vertices[v] = cbvhTileVertex(tile, x + (corner & 1u), y + (corner >> 1));
   }
-  vec3 a = vertices[0], b = vertices[1], c = vertices[2];
-  if (tile.bytes == tileFloatBytes && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
-  // the group and the triangle in it, as in blocks
-  uint lane = (leaf & 3u) | ((leaf >> 3) << 2), index = triangle + ((leaf & 4u) << 2);
-  TriangleKey key = TriangleKey(tile.geomID, CVERT_AT(VertHeader, tile.at).primID, tile.region, 32u * lane + index);
-  CbvhVertHit at;
-  if (!cbvhIntersectTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
-  SurfacePoint point = surfacePoint(tile.at, lane, index, positionInQuad(at.sides, (index & 1u) != 0u));
-  cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, key.geomID);
-  return true;
+  uint lane = (leaf & 3u) | ((leaf >> 3) << 2), index = triangle + ((leaf & 4u) << 2); // as in blocks
+  return cbvhIntersectQuadTriangle(tile.at, tile.geomID, ray, shear, lane, index, vertices[0], vertices[1], vertices[2],
+                                   tile.bytes == tileFloatBytes, hit, nearest);
 }
 
 /* Loops have one exit, see cbvhTraceGroup. */

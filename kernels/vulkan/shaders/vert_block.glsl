@@ -43,15 +43,8 @@ uint cbvhCandidateTriangles(CbvhVertBlock block, CodedCell cell, CbvhPreparedRay
       lower = min(lower, min(below[i], row[i]));
       upper = max(upper, max(below[i], row[i]));
     }
-    if (block.hasRaw || (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0))))) [[unroll]]
-      for (int i = 0; i < 4; i++) {
-        float diag = cbvhEdgeSide(below[i + 1], row[i]), left = cbvhEdgeSide(row[i], below[i]),
-              bottom = cbvhEdgeSide(below[i], below[i + 1]);
-        float right = cbvhEdgeSide(below[i + 1], row[i + 1]), top = cbvhEdgeSide(row[i + 1], row[i]);
-        uint bit = 2u * uint(4 * j + i);
-        if (mayContain(diag, left, bottom)) mask |= 1u << bit;
-        if (mayContain(right, top, -diag)) mask |= 2u << bit;
-      }
+    if (block.hasRaw || (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0)))))
+      mask |= cbvhRowTriangles(below, row) << (8 * j);
     [[unroll]] for (int i = 0; i < 5; i++)
       below[i] = row[i];
   }
@@ -72,16 +65,8 @@ bool cbvhIntersectTriangleOfGroup(CbvhVertBlock block, CodedCell cell, CbvhPrepa
     int corner = int(cornerOfTriangle(triangle, v));
     vertices[v] = cbvhGroupVertex(block, cell, gx, gy, i + (corner & 1), j + (corner >> 1), moves);
   }
-  vec3 a = vertices[0], b = vertices[1], c = vertices[2];
-  if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
-  uint lane = gx + 4u * gy; // the group, as in rule.h
-  TriangleKey key =
-      TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u * lane + triangle);
-  CbvhVertHit at;
-  if (!cbvhIntersectTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
-  SurfacePoint point = surfacePoint(block.at, lane, triangle, positionInQuad(at.sides, (triangle & 1u) != 0u));
-  cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, key.geomID);
-  return true;
+  return cbvhIntersectQuadTriangle(block.at, block.geomID, ray, shear, gx + 4u * gy, triangle, vertices[0], vertices[1],
+                                   vertices[2], block.hasRaw, hit, nearest);
 }
 
 /* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to be front to back. alongX, alongY: world

@@ -95,4 +95,35 @@ bool cbvhIntersectTriangle(CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b,
   return true;
 }
 
+/* --- triangles of quads ---------------------------------------------------------------- */
+
+/* Returns a mask of the triangles of four quads in a row that the ray's line may pass through: bits 2i and 2i + 1 for
+ * quad i. below, above: sheared vertices. */
+uint cbvhRowTriangles(vec2 below[5], vec2 above[5]) {
+  uint mask = 0u;
+  [[unroll]] for (uint i = 0u; i < 4u; i++) {
+    float diag = cbvhEdgeSide(below[i + 1u], above[i]), left = cbvhEdgeSide(above[i], below[i]),
+          bottom = cbvhEdgeSide(below[i], below[i + 1u]);
+    float right = cbvhEdgeSide(below[i + 1u], above[i + 1u]), top = cbvhEdgeSide(above[i + 1u], above[i]);
+    if (mayContain(diag, left, bottom)) mask |= 1u << (2u * i);
+    if (mayContain(right, top, -diag)) mask |= 2u << (2u * i);
+  }
+  return mask;
+}
+
+/* Tests a triangle of a block or tile exactly. lane: of its group, and index: of the triangle in the group, as in
+ * rule.h. mayBeInvalid: whether vertices may be not finite. */
+bool cbvhIntersectQuadTriangle(uvec2 block, uint geomID, CbvhPreparedRay ray, CbvhShear shear, uint lane, uint index,
+                               vec3 a, vec3 b, vec3 c, bool mayBeInvalid, inout CbvhHit hit,
+                               inout CbvhVertNearest nearest) {
+  if (mayBeInvalid && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
+  TriangleKey key =
+      TriangleKey(geomID, CVERT_AT(VertHeader, block).primID, CVERT_AT(VertHeader, block).region, 32u * lane + index);
+  CbvhVertHit at;
+  if (!cbvhIntersectTriangle(ray, shear, a, b, c, key, hit.t, nearest, at)) return false;
+  SurfacePoint point = surfacePoint(block, lane, index, positionInQuad(at.sides, (index & 1u) != 0u));
+  cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, geomID);
+  return true;
+}
+
 #endif
