@@ -42,7 +42,7 @@ std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene) {
   using namespace embree::cbvh;
   std::vector<const VertHeader*> blocks;
   forEachLeaf(scene, [&](size_t type, const void* leaf) {
-    if (type == VERT_BLOCK) blocks.push_back((const VertHeader*)leaf);
+    if (type == VERT_BLOCK || type == TILE_BLOCK) blocks.push_back((const VertHeader*)leaf);
   });
   return blocks;
 }

@@ -17,7 +17,7 @@ namespace programs::test {
 // The scene must have compressed subdivision surfaces only. Blocks are valid until the next commit.
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene);
 
-// The same for cVERT, whose blocks have a different layout.
+// The same for cVERT and cTILE, whose blocks and tiles have a different layout.
 std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene);
 
 // Returns the ID of the geometry of a block, given the surface number in the block's header.

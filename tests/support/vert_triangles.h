@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The triangles of a cVERT scene, decoded from its blocks by scalar code. */
+/* The triangles of a scene in cVERT or cTILE, decoded from its blocks by scalar code. */
 
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "support/scene_blocks.h"

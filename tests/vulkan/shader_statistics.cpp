@@ -3,8 +3,8 @@
 
 /* What a driver makes of the shader that finds closest hits, per kind of leaf: registers, spilled registers, bytes of
  * code and estimated latency. Prints a table, and fails if a kind exceeds its limit. Mesa's RADV compiles for a GPU
- * that the machine does not have, named by RADV_FORCE_FAMILY; limits are for navi31. Exits with 77 if the driver has
- * no statistics. */
+ * that the machine does not have, named by RADV_FORCE_FAMILY; limits are for navi31 and Mesa 25.0. Exits with 77 if the
+ * driver has no statistics or another version. */
 
 #include "kernels/cbvh/base/reference.h"
 
@@ -53,9 +53,12 @@ public:
     uint32_t count = 1;
     vkEnumeratePhysicalDevices(instance, &count, &physical);
     if (count == 0) return;
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(physical, &properties);
-    name = properties.deviceName;
+    VkPhysicalDeviceDriverProperties driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    properties.pNext = &driver;
+    vkGetPhysicalDeviceProperties2(physical, &properties);
+    name = properties.properties.deviceName;
+    version = driver.driverInfo;
 
     VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR statistics = {
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR};
@@ -118,7 +121,7 @@ public:
     return pipeline;
   }
 
-  // Sum of the statistics with a name over all executables of a pipeline.
+  // Of the pipeline's only executable.
   uint64_t statistic(VkPipeline pipeline, const char* name) const {
     const auto get =
         (PFN_vkGetPipelineExecutableStatisticsKHR)vkGetDeviceProcAddr(device, "vkGetPipelineExecutableStatisticsKHR");
@@ -135,7 +138,7 @@ public:
 
   void destroy(VkPipeline pipeline) { vkDestroyPipeline(device, pipeline, nullptr); }
 
-  std::string name;
+  std::string name, version;
 
 private:
   VkInstance instance = VK_NULL_HANDLE;
@@ -151,7 +154,8 @@ int main() {
     std::printf("skipped: no Vulkan driver with statistics of pipelines\n");
     return 77;
   }
-  std::printf("%s\n%-20s %9s %8s %6s %9s\n", device.name.c_str(), "leaves", "registers", "spilled", "bytes", "latency");
+  std::printf("%s, %s\n%-20s %9s %8s %6s %9s\n", device.name.c_str(), device.version.c_str(), "leaves", "registers",
+              "spilled", "bytes", "latency");
   bool isWithin = true;
   for (const Kernel& kernel : kernels) {
     const VkPipeline pipeline = device.compile(kernel.kinds, 64);
@@ -164,6 +168,10 @@ int main() {
                 (unsigned long long)spilled, (unsigned long long)bytes, (unsigned long long)latency,
                 fits ? "" : "   exceeds its limit");
     isWithin &= fits;
+  }
+  if (device.version.rfind("Mesa 25.0.", 0) != 0) {
+    std::printf("skipped: the limits are for Mesa 25.0\n");
+    return 77;
   }
   return isWithin ? 0 : 1;
 }

@@ -39,5 +39,6 @@ TEST_F(VulkanReference, GridsMatchReference) { expectReferences(RTC_COMPRESSION_
 TEST_F(VulkanReference, VoxelsMatchReference) { expectReferences(RTC_COMPRESSION_CVOXEL); }
 TEST_F(VulkanReference, LeavesMatchReference) { expectReferences(RTC_COMPRESSION_CLEAF); }
 TEST_F(VulkanReference, VerticesMatchReference) { expectReferences(RTC_COMPRESSION_CVERT); }
+TEST_F(VulkanReference, TilesMatchReference) { expectReferences(RTC_COMPRESSION_CTILE); }
 
 }} // namespace programs::test
