@@ -237,7 +237,9 @@ TEST_F(TextureSeams, HeightsAreThoseOfTheChart) {
 /* To the bit, so that no footprint contains a texel outside of its chart. */
 TEST_F(TextureSeams, TexelsOutsideOfChartsDoNotMatter) {
   for (const Charts& charts : {ball(0.03f), cylinder(0.1f, 0.9f, 0.0f, 1.0f), cylinder(0.8f, 0.2f, 0.0f, 1.0f)})
-    for (const auto& [width, height] : {std::pair{256, 256}, {64, 64}, {75, 160}}) {
+    for (const auto& size : {std::pair{256, 256}, {64, 64}, {75, 160}}) {
+      // Clang 14 captures no structured bindings.
+      const int width = size.first, height = size.second;
       const Cage cage = charts.cage();
       const auto low = displaced(cage, charts.map(width, height, background, smoothHeight));
       const auto high = displaced(cage, charts.map(width, height, 1000.0f, smoothHeight));
