@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """Measures irregular meshes from packages and generated ones for docs/meshes.md: memory, builds, rays, and how far
-vertices move, by default and lossless, compared with Embree's default and compact modes. Prints a table in Markdown.
+vertices move, as cTILE, the default, and cVERT, by default and lossless, compared with Embree's default and compact
+modes. Prints a table in Markdown.
 
     scripts/measure_meshes.py PATH/TO/cbvh_render FOLDER [--only LIST] [--json FILE]
 
@@ -24,7 +25,11 @@ import numpy
 from mesh_files import MESHES, write_obj
 from script_arguments import existing_program
 
-MODES = {"default": "verbose", "lossless": "max_error=0,verbose"}  # settings of EMBREE_CBVH
+# By settings of EMBREE_CBVH, the representations and their keys in records.
+RUNS = {
+    "verbose": {"grid": "embree", "naive-compact": "compact", "ctile": "tile", "cvert": "vert"},
+    "max_error=0,verbose": {"grid": "embree", "ctile": "lossless", "cvert": "lossless_vert"},
+}
 
 
 def obj_of(folder, name):
@@ -48,7 +53,7 @@ def shape_of(path):
 
 def render(program, path, folder, settings, options):
     record = folder / "record.json"
-    command = [program, "--mesh", path, "--representation", "grid,naive-compact,cvert", "--samples", "1", "--threads"]
+    command = [program, "--mesh", path, "--representation", ",".join(RUNS[settings]), "--samples", "1", "--threads"]
     command += [str(options.threads), "--output", folder / "pictures", "--json", record, "--size", options.size]
     command += ["--speed", "--rays", str(options.rays), "--repeat", str(options.repeat)]
     done = subprocess.run(
@@ -65,9 +70,11 @@ def measure(name, options):
     vertices, triangles, edge = shape_of(path)
     application = 12 * (vertices + triangles)  # bytes
     row = {"package": MESHES[name][0], "license": MESHES[name][1], "triangles": triangles, "median_edge": edge}
-    for mode, settings in MODES.items():
+    for settings, keys in RUNS.items():
         runs = [render(options.program, path, options.folder, settings, options) for _ in range(options.rounds)]
-        for i, key in enumerate(("embree", "compact", mode)):
+        for i, key in enumerate(keys.values()):
+            if key in row:
+                continue
             results = [run[i] for run in runs]
             first = results[0]
             row[key] = {
@@ -79,7 +86,7 @@ def measure(name, options):
                 for query in ("closest", "any"):
                     ratios = [result["speed"][rays][query]["relative_to_grid"] for result in results]
                     row[key][f"{rays}_{query}_relative_to_grid"] = statistics.median(ratios)
-            if key == mode:
+            if "compression" in first:
                 row[key]["max_vertex_deviation_edges"] = first["compression"]["max_vertex_deviation"] / edge
                 row[key]["compressed_share"] = 2 * first["compression"]["quads"] / triangles
                 row[key]["errors"] = first["errors"]
@@ -87,26 +94,25 @@ def measure(name, options):
     return row
 
 
-COLUMNS = ["mesh", "thousand triangles", "bytes: Embree", "compact", "cVERT", "peak", "lossless"]
-COLUMNS += ["build, s: Embree", "cVERT", "lossless", "speed: coherent", "incoherent", "compact", "lossless", "moved"]
+COLUMNS = ["mesh", "thousand triangles", "bytes: Embree", "compact", "cTILE", "cVERT", "lossless", "peak"]
+COLUMNS += ["build, s: Embree", "cTILE", "cVERT"]
+COLUMNS += [
+    rays + form for rays in ("coherent: ", "incoherent: ") for form in ("cTILE", "cVERT", "lossless", "compact")
+]
+COLUMNS += ["moved"]
 
 
 def line_of(name, row):
-    embree, compact, cvert, lossless = (row[key] for key in ("embree", "compact", *MODES))
-
-    def speed(mode, rays):
-        return f"{mode[f'{rays}_closest_relative_to_grid']:.2f}"
-
-    def speeds(mode):
-        return f"{speed(mode, 'coherent')} {speed(mode, 'incoherent')}"
-
+    tile = row["tile"]
     cells = [name, f"{row['triangles'] / 1000:.0f}"]
-    cells += [f"{mode['bytes_per_triangle']:.1f}" for mode in (embree, compact)]
-    values = cvert["bytes_per_triangle"], cvert["peak_bytes_per_triangle"], lossless["bytes_per_triangle"]
-    cells += [f"{value:.2f}" for value in values]
-    cells += [f"{mode['build_seconds']:.3f}" for mode in (embree, cvert, lossless)]
-    cells += [speed(cvert, rays) for rays in ("coherent", "incoherent")]
-    cells += [speeds(compact), speeds(lossless), f"{cvert['max_vertex_deviation_edges']:.4f}"]
+    cells += [f"{row[key]['bytes_per_triangle']:.1f}" for key in ("embree", "compact")]
+    cells += [f"{row[key]['bytes_per_triangle']:.2f}" for key in ("tile", "vert", "lossless")]
+    cells += [f"{tile['peak_bytes_per_triangle']:.1f}"]
+    cells += [f"{row[key]['build_seconds']:.3f}" for key in ("embree", "tile", "vert")]
+    for rays in ("coherent", "incoherent"):
+        speed = f"{rays}_closest_relative_to_grid"
+        cells += [f"{row[key][speed]:.2f}" for key in ("tile", "vert", "lossless", "compact")]
+    cells += [f"{tile['max_vertex_deviation_edges']:.4f}"]
     return "| " + " | ".join(cells) + " |"
 
 

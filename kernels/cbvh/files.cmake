@@ -43,6 +43,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp
   cbvh/traversal/intersectorK.cpp
+  cbvh/traversal/mesh_intersector1.cpp
   cbvh/traversal/moving_intersector1.cpp
   cbvh/traversal/point_query.cpp)
 
@@ -53,7 +54,7 @@ endif()
 # Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp
-    cbvh/traversal/moving_intersector1.cpp)
+    cbvh/traversal/mesh_intersector1.cpp cbvh/traversal/moving_intersector1.cpp)
   if(NOT EMBREE_CBVH_NO_PAPER)
     list(APPEND ${target} cbvh/paper/rays.cpp)
   endif()

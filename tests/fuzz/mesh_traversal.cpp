@@ -7,8 +7,10 @@
 
 #include "fuzz_traversal.h"
 #include "mesh_seeds.h"
+#include "kernels/cbvh/exact/mesh_intersector1.h"
 #include "kernels/cbvh/exact/moving_intersector1.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
+#include "kernels/cvert/encoder/mesh_tile_conversion.h"
 
 #include <algorithm>
 
@@ -26,6 +28,7 @@ using namespace embree::isa;
 using namespace embree::cbvh;
 using embree::isa::cbvh::CachedMeshBlock;
 using embree::isa::cbvh::intersectMesh;
+using embree::isa::cbvh::intersectMeshTile;
 using embree::isa::cbvh::intersectMovingMesh;
 using embree::isa::cbvh::VertRay;
 
@@ -53,6 +56,35 @@ bool intersect(RayType& ray, IntersectContext* context, const MeshHeader* block)
   return isMovingMesh(block) ? intersectMovingMesh(ray, context, pre, block) : intersectMesh(ray, context, pre, block);
 }
 
+// The tile of a block has the same hits.
+void compareWithTile(RTCScene scene, const RayBytes& bytes, const HitLimits& limits, const MeshHeader* block) {
+  std::vector<uint8_t> written(maxBytesOfMeshTile);
+  const size_t size = tileOfMesh(block, written.data());
+  if (size == 0) return;
+  written.resize(size + meshTileReadPadding);
+  const ExactMemory memory(written.data(), written.size(), 16);
+  const void* const tile = memory.get();
+  traceAndCompare(scene, bytes, limits, [&](auto& at, IntersectContext* context) {
+    VertRay pre;
+    return intersectMeshTile(at, context, pre, tile);
+  });
+
+  RTCIntersectContext plain;
+  rtcInitIntersectContext(&plain);
+  IntersectContext context((Scene*)scene, &plain);
+  RayHit hits[2] = {RayHit(bytes.ray()), RayHit(bytes.ray())};
+  for (RayHit& hit : hits) {
+    hit.Ng = Vec3f(0.0f);
+    hit.u = hit.v = 0.0f;
+    hit.primID = 0;
+    hit.geomID = hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  }
+  VertRay pre[2];
+  intersectMesh(hits[0], &context, pre[0], block);
+  intersectMeshTile(hits[1], &context, pre[1], tile);
+  REQUIRE(memcmp(&hits[0], &hits[1], sizeof(RTCRayHit)) == 0);
+}
+
 } // namespace
 } // namespace programs::test
 
@@ -69,7 +101,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   block->surface = 0;
   invalidateThreadCaches();
   if (!isMovingMesh(block)) compareWithScalarDecoder(block);
-  traceAndCompare(world.scene, ray, {meshTriangles(block->counts), 0, 0},
+  const HitLimits limits = {meshTriangles(block->counts), 0, 0};
+  traceAndCompare(world.scene, ray, limits,
                   [&](auto& at, IntersectContext* context) { return intersect(at, context, block); });
+  if (!isMovingMesh(block)) compareWithTile(world.scene, ray, limits, block);
   return 0;
 }

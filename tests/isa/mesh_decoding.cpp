@@ -4,10 +4,9 @@
 /* Compares the traversal's decoder of mesh blocks with the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all
  * groups exactly, and boxes that contain the triangles. Compiled once for every ISA, outside of the library. */
 
-#include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
-#include "kernels/cbvh/exact/mesh_decoder.h"
-#include "kernels/cbvh/exact/triangles.h"
+#include "kernels/cvert/encoder/mesh_tile_conversion.h"
+#include "kernels/cbvh/exact/decoded_mesh_tile.h"
 #include "support/random.h"
 
 #include <algorithm>
@@ -118,6 +117,64 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder) {
   EXPECT_GT(statistics.restarts, 100u);
 }
 
+// Vertices, corners and numbers of mesh tiles, at all widths of fields.
+TEST(MeshTileDecoding, GroupsMatchScalarDecoder) {
+  using embree::isa::cbvh::DecodedMeshTile;
+  Random random(98);
+  auto encoder = std::make_unique<MeshEncoder>();
+  std::vector<uint64_t> memory(MeshEncoder::maxBytes / 8 + 4),
+      tileMemory((maxBytesOfMeshTile + meshTileReadPadding) / 8);
+  MeshStatistics statistics;
+  size_t tiles = 0, sheared = 0;
+  for (int i = 0; i < 3000; i++) {
+    const auto triangles = randomTriangles(random, -int(random.below(14)),
+                                           std::vector<double>{0, 10, 1e4, 1e6}[random.below(4)], i % 4 != 0);
+    std::vector<uint32_t> ends;
+    const uint32_t count = uint32_t(triangles.size()), groupSize = std::vector<uint32_t>{3, 11, 16}[random.below(3)];
+    for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize)
+      ends.push_back(std::min(end, count));
+    uint32_t stored;
+    encoder->encode(triangles.data(), ends.data(), uint32_t(ends.size()), 3, (uint8_t*)memory.data(), stored,
+                    statistics);
+    std::fill(tileMemory.begin(), tileMemory.end(), ~uint64_t(0));
+    if (tileOfMesh((const MeshHeader*)memory.data(), (uint8_t*)tileMemory.data()) == 0) continue;
+    tiles++;
+    const MeshTileHeader* const header = (const MeshTileHeader*)tileMemory.data();
+    const MeshTileView view(header);
+    const DecodedMeshTile decoded(header);
+    const GroupBoxes& boxes = decoded.boxes();
+    ASSERT_EQ(boxes.lanes, (1u << view.groups) - 1);
+    sheared += boxes.shearedAxis != 3;
+    for (uint32_t g = 0; g < view.groups; g++) {
+      SCOPED_TRACE(testing::Message() << "tile " << i << ", group " << g);
+      const MeshTriangles& group = decoded.triangles(g, 0);
+      ASSERT_EQ(group.lanes, 0xFFFFu >> (16 - view.triangles(g)));
+      for (uint32_t t = 0; t < view.triangles(g); t++) {
+        ASSERT_EQ(decoded.point(g, t, 0.25f, 0.5f).primID, view.number(g, t));
+        for (uint32_t c = 0; c < 3; c++) {
+          ASSERT_EQ(group.corners[c][t], view.corner(g, t, c));
+          float p[3];
+          view.vertex(g, view.corner(g, t, c), p);
+          double along = 0;
+          for (uint32_t k = 0; k < 3; k++) {
+            ASSERT_EQ(group.vertices.at[k][group.corners[c][t]], p[k]);
+            along += (double(p[k]) - boxes.origin[k]) * boxes.shear[k];
+            ASSERT_LE(std::fabs(double(p[k]) - boxes.origin[k]), boxes.extent[k] * (1 + 1e-6));
+            if (int(k) == boxes.shearedAxis) continue;
+            ASSERT_LE(boxes.planes[k].at[0][g], p[k]);
+            ASSERT_GE(boxes.planes[k].at[1][g], p[k]);
+          }
+          if (boxes.shearedAxis == 3) continue;
+          ASSERT_LE(boxes.planes[boxes.shearedAxis].at[0][g], along);
+          ASSERT_GE(boxes.planes[boxes.shearedAxis].at[1][g], along);
+        }
+      }
+    }
+  }
+  EXPECT_GT(tiles, 1000u);
+  EXPECT_GT(sheared, 100u);
+}
+
 // Triangles of random vertices, and rays through a vertex or the middle of two: triangles that contain the ray must
 // be found. The stored sides must equal those that each triangle computes.
 TEST(MeshTriangles, TrianglesThatContainTheRayAreFound) {
@@ -154,7 +211,7 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound) {
     const uint32_t mask = trianglesHitByLine(ray, group, stored);
     ASSERT_EQ(mask & ~group.lanes, 0u);
     for (uint32_t t = 0; t < count; t++) {
-      const VertTriangle triangle(group, t);
+      const VertTriangle triangle = triangleInLane(group, t);
       const VertTriangle::Sides sides = triangle.sides(ray);
       ASSERT_TRUE(stored.at(t).w0 == sides.w0 && stored.at(t).w1 == sides.w1 && stored.at(t).w2 == sides.w2)
           << "case " << i << ", triangle " << t;

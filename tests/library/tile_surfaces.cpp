@@ -5,7 +5,7 @@
  * edges, holes, and vertices that are not finite; grids and meshes; at every precision; along axes, at vertices, and
  * with directions of any length. */
 
-#include "support/diced_mesh.h"
+#include "support/irregular_mesh.h"
 #include "support/odd_rays.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
@@ -52,8 +52,8 @@ protected:
     rtcCommitScene(tiles);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     EXPECT_EQ(statisticsOf(tiles).numQuads, statisticsOf(blocks).numQuads);
-    const auto nodeBytes = [](RTCScene scene) { return statisticsOf(scene).nodeBytes; };
-    EXPECT_NE(nodeBytes(tiles), nodeBytes(blocks)) << "no tiles among " << statisticsOf(tiles).numQuads << " quads";
+    EXPECT_NE(nodeAndLeafBytes(tiles), nodeAndLeafBytes(blocks))
+        << "no tiles among " << statisticsOf(tiles).numQuads << " quads";
     for (QueryForm form : allQueryForms)
       for (bool any : {false, true}) {
         SCOPED_TRACE(testing::Message() << nameOf(form) << (any ? ", any hit" : ""));
@@ -182,6 +182,22 @@ TEST_P(TileSurfaces, GridsAndMeshes) {
   }
 }
 
+// Mesh blocks become mesh tiles, also next to tiles of quads. Rays at vertices and edges on a lattice hit several
+// triangles at the same distance.
+TEST_P(TileSurfaces, IrregularMeshes) {
+  for (double lattice : {1.0 / 64, 0.0}) {
+    for (const NamedMesh& named : irregularMeshes(random, lattice)) {
+      SCOPED_TRACE(named.name);
+      std::vector<RTCRayHit> at = rays(2000);
+      const std::vector<RTCRayHit> next = raysNextToVertices(random, named.mesh.vertices, 2000);
+      at.insert(at.end(), next.begin(), next.end());
+      ASSERT_NO_FATAL_FAILURE(expectEqual(at, 1000, [&](RTCScene scene, RTCCompression compression) {
+        attach(scene, newMesh(device, named.mesh, compression));
+      }));
+    }
+  }
+}
+
 // Many tiles are below nodes of 16 children, alone and next to other leaves, also to those that need Embree's nodes.
 TEST_P(TileSurfaces, ManySurfaces) {
   std::vector<Displacement> displacements(60);
@@ -265,7 +281,8 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
   Device tileDevice(std::string(GetParam()) + ",subdiv_accel=cbvh.tile");
   const Folder folder;
   const Diced ball = dicedBall(2, 20);
-  const DicedMesh mesh = meshOf(ball, QuadOrder::Shuffled, random);
+  const DicedMesh mesh = meshOf(ball, QuadOrder::Shuffled, random), irregular = irregularTriangles(mesh, random),
+                  irregularQuad = irregularQuads(mesh, random);
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
@@ -276,7 +293,9 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
         return newSurface(device, cubeCage(), settings);
       },
       [&](RTCCompression compression) { return newGrids(device, ball, compression); },
-      [&](RTCCompression compression) { return newMesh(device, mesh, compression); }};
+      [&](RTCCompression compression) { return newMesh(device, mesh, compression); },
+      [&](RTCCompression compression) { return newMesh(device, irregular, compression); },
+      [&](RTCCompression compression) { return newMesh(device, irregularQuad, compression); }};
   for (const auto& make : makers) {
     const std::string tiles = folder / "tiles", blocks = folder / "blocks";
     Scene traced(device), compressed(device), loaded(device), loadedTiles(tileDevice);

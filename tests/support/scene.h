@@ -310,6 +310,12 @@ inline RTCCompressionStatistics statisticsOf(RTCScene scene) {
   return stats;
 }
 
+// Differs between blocks and tiles of the same surfaces.
+inline std::pair<uint64_t, uint64_t> nodeAndLeafBytes(RTCScene scene) {
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  return {stats.nodeBytes, stats.leafBytes};
+}
+
 inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0,
                          float tfar = std::numeric_limits<float>::infinity()) {
   RTCRayHit r;

@@ -6,7 +6,8 @@
 #include "kernels/cbvh/backend/flat_scene.h"
 #include "kernels/cvert/format/tile.h"
 #include "small_scenes.h"
-#include "support/diced_mesh.h"
+#include "support/irregular_mesh.h"
+#include "support/same_hits.h"
 #include "vulkan_tracer.h"
 
 #include <cmath>
@@ -57,12 +58,14 @@ protected:
   }
 
   size_t tileScenes = 0, found = 0;
+  size_t convertedScenes = 0;        // with blocks that were made from mesh tiles
   std::map<uint32_t, size_t> widths; // tiles, by bytes per vertex
 
 private:
   void countWidths(RTCScene scene) {
     const embree::cbvh::FlatScene* flat = rtcFlattenScene(scene, embree::cbvh::flatSceneVersion);
     ASSERT_TRUE(flat);
+    convertedScenes += flat->hasOwnBlocks;
     for (size_t i = 0; i < flat->numBlocks; i++)
       if (flat->blocks[i].type == embree::cbvh::blockReferenceType(embree::cbvh::kindTile))
         widths[cvert::tileVertexBytes((const cvert::VertHeader*)flat->blocks[i].data)]++;
@@ -117,6 +120,16 @@ TEST_F(VulkanTiles, GridsAndMeshesHaveTheHitsOfBlocks) {
               [&](RTCScene scene, RTCCompression form) { attach(scene, newMesh(embree, mesh, form)); });
   }
   EXPECT_GT(tileScenes, 4u);
+}
+
+// A device traces mesh tiles as the mesh blocks that they were made from.
+TEST_F(VulkanTiles, IrregularMeshesHaveTheHitsOfBlocks) {
+  const std::vector<NamedMesh> meshes = irregularMeshes(random, 0);
+  for (const NamedMesh& shape : meshes)
+    compare(raysAt(random, shape.mesh, 2000),
+            [&](RTCScene scene, RTCCompression form) { attach(scene, newMesh(embree, shape.mesh, form)); });
+  EXPECT_EQ(convertedScenes, meshes.size());
+  EXPECT_GT(found, 1000u);
 }
 
 // Residuals of 2, 3, 4 and 5 bytes, and floats.

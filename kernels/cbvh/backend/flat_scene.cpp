@@ -9,12 +9,17 @@
 #include "../blocks/report.h"
 #include "flat_scene.h"
 #include "../blocks/surface_blocks.h"
+#include "../../cvert/encoder/mesh_tile_conversion.h"
 #include <limits>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
 namespace embree::cbvh { namespace {
+struct alignas(blockAlignment) BlockPiece {
+  uint8_t bytes[blockAlignment];
+};
+
 /*! The memory that the pointers of a FlatScene refer to. */
 struct OwnedScene : public FlatScene {
   std::vector<FlatNode> ownNodes;
@@ -23,6 +28,7 @@ struct OwnedScene : public FlatScene {
   std::vector<FlatGridLeaf> ownGridLeaves;
   std::vector<FlatGeometry> ownGeometries;
   std::vector<std::unique_ptr<float[]>> ownTransforms;
+  std::vector<std::unique_ptr<BlockPiece[]>> blocksOfMeshTiles;
 };
 
 void copyVector(const Vec3fa& from, float* to) {
@@ -118,7 +124,7 @@ private:
     }
     if (type == GRID_SOA_ROOT) {
       const GridSOA* root = (const GridSOA*)data;
-      out.ownBlocks.push_back(FlatBlock{root, uint32_t(offsetof(GridSOA, data)) + root->rootOffset,
+      out.ownBlocks.push_back(FlatBlock{root, root, uint32_t(offsetof(GridSOA, data)) + root->rootOffset,
                                         gridLeafReferenceType, ids[root->geomID()]});
       return copySubtree(root->root(), root, checkedIndex(out.ownBlocks.size() - 1), nodesAbove);
     }
@@ -136,10 +142,22 @@ private:
     if (reference && *reference) return *reference;
     uint32_t surface;
     memcpy(&surface, data + row.surface, sizeof(surface));
-    out.ownBlocks.push_back(FlatBlock{data, row.bytes(data), childType, ids[surface]});
+    if (blockType == TILE_BLOCK && isMeshTile(data))
+      addBlockOfMeshTile((const MeshTileHeader*)data, childType, ids[surface]);
+    else out.ownBlocks.push_back(FlatBlock{data, data, row.bytes(data), childType, ids[surface]});
     const uint32_t added = makeReference(childType, checkedIndex(out.ownBlocks.size() - 1));
     if (reference) *reference = added;
     return added;
+  }
+
+  /*! Back ends decode mesh blocks. */
+  void addBlockOfMeshTile(const MeshTileHeader* tile, uint32_t type, uint32_t geomID) {
+    alignas(blockAlignment) uint8_t block[MeshEncoder::maxBytes];
+    const size_t bytes = meshOfTile(tile, encoder, block);
+    const size_t pieces = (bytes + vertReadPadding + sizeof(BlockPiece) - 1) / sizeof(BlockPiece);
+    out.blocksOfMeshTiles.emplace_back(new BlockPiece[pieces]());
+    memcpy(out.blocksOfMeshTiles.back().get(), block, bytes);
+    out.ownBlocks.push_back(FlatBlock{out.blocksOfMeshTiles.back().get(), tile, uint32_t(bytes), type, geomID});
   }
 
   static uint32_t checkedIndex(size_t i) {
@@ -152,6 +170,7 @@ private:
 
   OwnedScene& out;
   const SurfaceIDs& ids;
+  MeshEncoder encoder;
   uint32_t depth = 0;
   /*! References to copied moving blocks: a tree contains a block once per time interval. */
   std::unordered_map<const void*, uint32_t> movingBlocks;
@@ -267,6 +286,7 @@ std::unique_ptr<OwnedScene> flatten(Scene* scene) {
     (isMovingTree(bvh->root) ? flat->movingTree : flat->staticTree) = TreeCopy(*flat, scene->surfaceIDs).copy(bvh);
   }
 
+  flat->hasOwnBlocks = !flat->blocksOfMeshTiles.empty();
   flat->nodes = flat->ownNodes.data();
   flat->numNodes = flat->ownNodes.size();
   flat->movingNodes = flat->ownMovingNodes.data();

@@ -4,8 +4,9 @@
 #pragma once
 
 /* A committed scene as plain data without Embree's internal types, for back ends (kernels/vulkan). Nodes are copied.
- * Blocks, vertices and indices are not: they are valid until the scene is committed again or released. Vertices and
- * indices become invalid earlier if the application sets or frees their buffers. */
+ * Blocks, vertices and indices are not: they are valid until the scene is committed again or released, blocks of mesh
+ * tiles until the flat scene is released. Vertices and indices become invalid earlier if the application sets or frees
+ * their buffers. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -14,7 +15,7 @@
 
 namespace embree::cbvh {
 /*! Increment it when a struct below changes: libembree3 and libembree3_vulkan must have the same version. */
-static const uint32_t flatSceneVersion = 8;
+static const uint32_t flatSceneVersion = 9;
 
 /*! Unused children are emptyReference, with all bounds +infinity. */
 struct FlatNode {
@@ -32,7 +33,8 @@ struct FlatMovingNode {
 
 /*! A compressed block, a tile, or a grid of GRID. */
 struct FlatBlock {
-  const void* data; //!< aligned to 16 bytes
+  const void* data;   //!< aligned to 16 bytes
+  const void* source; //!< identifies the block in its surface: data, or the mesh tile that it was made from
   uint32_t bytes;
   /*! Type of references to the block (base/reference.h); gridLeafReferenceType for a grid. */
   uint32_t type;
@@ -75,7 +77,8 @@ struct FlatTree {
 
 struct FlatScene {
   uint32_t version;
-  bool isRobust; //!< the scene has RTC_SCENE_FLAG_ROBUST
+  bool isRobust;     //!< the scene has RTC_SCENE_FLAG_ROBUST
+  bool hasOwnBlocks; //!< blocks that were made from mesh tiles
   FlatTree staticTree, movingTree;
 
   FlatNode* nodes;

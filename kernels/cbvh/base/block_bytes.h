@@ -5,7 +5,7 @@
 
 /* How the bytes of blocks and tiles are divided in statistics (CompressionStatistics::headerBytes to leafBytes). */
 
-#include "../../cvert/format/tile.h"
+#include "../../cvert/format/mesh_tile.h"
 #include "codec_names.h"
 #include <cstddef>
 
@@ -20,12 +20,21 @@ struct BlockBytes {
   BlockBytes(const VertHeader* block, size_t size) {
     const VertLayout layout = vertLayout(block->region, block->info);
     const bool isTile = cbvh::isTile(block->info);
-    header = isTile ? tileBoxesOffset(block->info) : layout.margins;
+    const size_t headerEnd = isTile ? tileBoxesOffset(block->info) : layout.margins;
     const size_t nodesEnd = isTile               ? tileVerticesOffset(block->region, block->info)
                             : isRaw(block->info) ? layout.margins
                                                  : layout.cell;
-    nodes = nodesEnd - header;
-    leaves = ((size + blockAlignment - 1) & ~size_t(blockAlignment - 1)) - nodesEnd;
+    set(headerEnd, nodesEnd, size);
+  }
+
+  /*! The same for a mesh block at its first time step, and for a mesh tile. */
+  BlockBytes(const MeshHeader* block, size_t size) {
+    const MeshLayout layout = meshLayout(block->counts);
+    set(layout.boxes, layout.topology, size);
+  }
+  BlockBytes(const MeshTileHeader* tile, size_t size) {
+    const uint32_t groups = meshGroups(tile->counts);
+    set(meshTilePlanes(groups, 0), meshTileGroups(groups), size);
   }
 
   /*! sums: CompressionStatistics. */
@@ -38,6 +47,13 @@ struct BlockBytes {
     sums.headerBytes -= header;
     sums.nodeBytes -= nodes;
     sums.leafBytes -= leaves;
+  }
+
+private:
+  void set(size_t headerEnd, size_t nodesEnd, size_t size) {
+    header = headerEnd;
+    nodes = nodesEnd - headerEnd;
+    leaves = ((size + blockAlignment - 1) & ~size_t(blockAlignment - 1)) - nodesEnd;
   }
 };
 }} // namespace embree::cbvh::CBVH_ISA

@@ -13,7 +13,7 @@
 #include "../base/reference.h"
 #include "../base/thread_cache.h"
 #include "../../cvert/format/mesh_motion.h"
-#include "../../cvert/format/tile.h"
+#include "../../cvert/format/mesh_tile.h"
 #include <cassert>
 
 namespace embree::cbvh { inline namespace CBVH_ISA {
@@ -67,10 +67,16 @@ inline BlockRow rowOf(BlockType type) {
   case TILE_BLOCK:
     return BlockRow(
         offsetof(VertHeader, surface), offsetof(VertHeader, primID), vertCache, 0,
-        [](const void* tile) { return tileBytes((const VertHeader*)tile); }, [](const void*) { return false; },
-        [](const void*) { return VertMotion(); },
-        [](const void* tile) { return tileVertexBytes((const VertHeader*)tile) == tileFloatBytes; },
-        [](const void*) { return blockReferenceType(kindTile); });
+        [](const void* tile) {
+          return isMeshTile(tile) ? ((const MeshTileHeader*)tile)->bytes : tileBytes((const VertHeader*)tile);
+        },
+        [](const void*) { return false; }, [](const void*) { return VertMotion(); },
+        [](const void* tile) {
+          return !isMeshTile(tile) && tileVertexBytes((const VertHeader*)tile) == tileFloatBytes;
+        },
+        [](const void* tile) { // back ends decode mesh blocks, see flat_scene.cpp
+          return isMeshTile(tile) ? meshBlockReferenceType : blockReferenceType(kindTile);
+        });
   case MESH_BLOCK:
     return BlockRow(
         offsetof(MeshHeader, surface), offsetof(MeshHeader, primID), meshCache, meshMotionCache,

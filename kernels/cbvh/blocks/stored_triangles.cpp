@@ -6,6 +6,7 @@
 #include "../base/closest_point_result.h"
 #include "../embree/scene.h"
 #include "../../cvert/decoder/decoded_mesh.h"
+#include "../../cvert/decoder/mesh_tile_view.h"
 #include "vertices_at_time.h"
 #include "surface_blocks.h"
 #include <algorithm>
@@ -143,20 +144,32 @@ void forEachQuad(const VertHeader* block, const Closure& closure) {
 
 /*! False if the time is outside of a moving block's time range. */
 bool isPresent(const StoredBlock& block, const TraversalTime& time) {
-  switch (block.type) {
+  switch (block.contents()) {
   case FRAMED_BLOCK: return true;
   case VERT_BLOCK:
   case TILE_BLOCK: return VerticesAtTime::isPresent(block.vert(), time);
-  case MESH_BLOCK: return MeshAtTime::isPresent(block.mesh(), time);
+  case MESH_BLOCK: return block.isMeshTile() || MeshAtTime::isPresent(block.mesh(), time);
   }
   return false;
 }
 
-/*! Calls closure(number, corners) for each triangle of a mesh block. number: primitiveOfMesh() returns its
+/*! Calls closure(number, corners) for each triangle of a mesh tile. */
+template<typename Closure>
+void forEachTriangle(const MeshTileView& tile, const Closure& closure) {
+  for (uint32_t g = 0; g < tile.groups; g++)
+    for (uint32_t t = 0; t < tile.triangles(g); t++) {
+      float corners[3][3];
+      for (uint32_t c = 0; c < 3; c++) tile.vertex(g, tile.corner(g, t, c), corners[c]);
+      closure(tile.number(g, t), corners);
+    }
+}
+
+/*! Calls closure(number, corners) for each triangle of a mesh block or mesh tile. number: primitiveOfMesh() returns its
  *  primitive. */
 template<typename Closure>
-void forEachTriangle(const MeshHeader* block, const TraversalTime& time, const Closure& closure) {
-  const MeshAtTime mesh(block, time);
+void forEachMeshTriangle(const StoredBlock& block, const TraversalTime& time, const Closure& closure) {
+  if (block.isMeshTile()) return forEachTriangle(MeshTileView(block.meshTile()), closure);
+  const MeshAtTime mesh(block.mesh(), time);
   for (uint32_t g = 0; g < mesh.view.groups; g++) {
     const DecodedMeshGroup group = mesh.group(g);
     for (uint32_t t = 0; t < group.numTriangles; t++) {
@@ -197,12 +210,14 @@ void forEachTriangleOf(const VertHeader* block, const TraversalTime& time, uint3
 }
 
 template<typename Closure>
-void forEachTriangleOf(const MeshHeader* block, const TraversalTime& time, uint32_t primID, const Closure& closure) {
-  forEachTriangle(block, time, [&](uint32_t number, const float(&corners)[3][3]) {
-    if (primitiveOfMesh(block->info, number) != primID) return;
+void forEachMeshTriangleOf(const StoredBlock& block, const TraversalTime& time, uint32_t primID,
+                           const Closure& closure) {
+  const uint32_t info = block.meshInfo();
+  forEachMeshTriangle(block, time, [&](uint32_t number, const float(&corners)[3][3]) {
+    if (primitiveOfMesh(info, number) != primID) return;
     const float* const p[3] = {corners[0], corners[1], corners[2]};
     const float first[2][3] = {{0, 1, 0}, {0, 0, 1}}, second[2][3] = {{1, 0, 1}, {1, 1, 0}};
-    const float(&parameters)[2][3] = isSecondOfQuad(block->info, number) ? second : first;
+    const float(&parameters)[2][3] = isSecondOfQuad(info, number) ? second : first;
     closure(p, parameters[0], parameters[1]);
   });
 }
@@ -231,14 +246,14 @@ public:
     auto consider = [&](const float* const corners[3], const float u[3], const float v[3]) {
       considerTriangle(corners, u, v, primID);
     };
-    switch (block.type) {
+    switch (block.contents()) {
     case FRAMED_BLOCK: forEachTriangleOf(block.framed(), time, consider); break;
     case VERT_BLOCK:
     case TILE_BLOCK:
       if (block.areQuadsPrimitives()) forEachTriangleOf(block.vert(), time, primID, consider);
       else forEachTriangleOf(block.vert(), time, consider);
       break;
-    case MESH_BLOCK: forEachTriangleOf(block.mesh(), time, primID, consider); break;
+    case MESH_BLOCK: forEachMeshTriangleOf(block, time, primID, consider); break;
     }
   }
 
@@ -281,14 +296,14 @@ public:
   /*! block: must contain the primitive. */
   void searchBlock(const StoredBlock& block, uint32_t primID) {
     if (!isPresent(block, time)) return;
-    switch (block.type) {
+    switch (block.contents()) {
     case FRAMED_BLOCK: searchByParameters(block.framed()); break;
     case VERT_BLOCK:
     case TILE_BLOCK:
       if (block.areQuadsPrimitives()) searchByPrimitive(block.vert(), primID);
       else searchByParameters(block.vert());
       break;
-    case MESH_BLOCK: searchMesh(block.mesh(), primID); break;
+    case MESH_BLOCK: searchMesh(block, primID); break;
     }
   }
 
@@ -299,10 +314,10 @@ private:
                       [&](const float* const p[3], const float s[3], const float t[3]) { addCandidate(p, s, t); });
   }
 
-  void searchMesh(const MeshHeader* block, uint32_t primID) {
+  void searchMesh(const StoredBlock& block, uint32_t primID) {
     tolerance = roundingBound(u) + roundingBound(v);
-    forEachTriangleOf(block, time, primID,
-                      [&](const float* const p[3], const float s[3], const float t[3]) { addCandidate(p, s, t); });
+    forEachMeshTriangleOf(block, time, primID,
+                          [&](const float* const p[3], const float s[3], const float t[3]) { addCandidate(p, s, t); });
   }
 
   /*! Header: VertHeader, or Block of cGRID. */
@@ -399,14 +414,16 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
             [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
   size_t numTriangles = 0; // upper bound
   for (const StoredBlock& block : blocks) {
-    switch (block.type) {
+    switch (block.contents()) {
     case FRAMED_BLOCK: break;
     case VERT_BLOCK:
     case TILE_BLOCK:
       if (block.areQuadsPrimitives())
         numTriangles += 2 * vertQuadsX(block.vert()->region) * vertQuadsY(block.vert()->region);
       break;
-    case MESH_BLOCK: numTriangles += meshTriangles(block.mesh()->counts); break;
+    case MESH_BLOCK:
+      numTriangles += meshTriangles(block.isMeshTile() ? block.meshTile()->counts : block.mesh()->counts);
+      break;
     }
   }
   /* Primitive numbers of a file may be up to 2^32-2 in any block. So blockOf has no more bytes than pairs for all
@@ -430,8 +447,13 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
       for (uint32_t t = 0; t < groupTriangles(meshGroupByte(block, g)); t++)
         add(primitiveOfMesh(block->info, view.number(g, t)), i);
   };
+  auto addMeshTile = [&](const MeshTileHeader* tile, size_t i) {
+    const MeshTileView view(tile);
+    for (uint32_t g = 0; g < view.groups; g++)
+      for (uint32_t t = 0; t < view.triangles(g); t++) add(primitiveOfMesh(tile->meshInfo, view.number(g, t)), i);
+  };
   for (size_t i = 0; i < blocks.size(); i++) {
-    switch (blocks[i].type) {
+    switch (blocks[i].contents()) {
     case FRAMED_BLOCK: break;
     case VERT_BLOCK:
     case TILE_BLOCK:
@@ -440,7 +462,10 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
         for (bool isSecond : {false, true}) add(primitiveOfQuad(blocks[i].vert(), x, y, isSecond).primID, i);
       });
       break;
-    case MESH_BLOCK: addMesh(blocks[i].mesh(), i); break;
+    case MESH_BLOCK:
+      if (blocks[i].isMeshTile()) addMeshTile(blocks[i].meshTile(), i);
+      else addMesh(blocks[i].mesh(), i);
+      break;
     }
   }
   blockOf.shrink_to_fit();
@@ -485,13 +510,13 @@ static bool forEachMeshPart(const StoredBlock& block, const TraversalTime& time,
     bool operator<(const Triangle& other) const { return number < other.number; }
   };
   std::vector<Triangle> triangles;
-  forEachTriangle(block.mesh(), time, [&](uint32_t number, const float(&corners)[3][3]) {
+  forEachMeshTriangle(block, time, [&](uint32_t number, const float(&corners)[3][3]) {
     triangles.emplace_back();
     triangles.back().number = number;
     memcpy(triangles.back().corners, corners, sizeof(corners));
   });
   std::sort(triangles.begin(), triangles.end());
-  const uint32_t info = block.mesh()->info;
+  const uint32_t info = block.meshInfo();
   for (size_t i = 0; i < triangles.size(); i++) {
     const float(&p)[3][3] = triangles[i].corners;
     const uint32_t primID = primitiveOfMesh(info, triangles[i].number), primIDs[2] = {primID, primID};
@@ -557,7 +582,7 @@ void forEachPart(const SurfaceBlocks& blocks, const TraversalTime& time,
                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure) {
   forEachBlock(blocks, [&](const StoredBlock& block) {
     if (!isPresent(block, time)) return true;
-    switch (block.type) {
+    switch (block.contents()) {
     case FRAMED_BLOCK: return forParametrizedPart(block, block.framed(), time, closure);
     case VERT_BLOCK:
     case TILE_BLOCK:

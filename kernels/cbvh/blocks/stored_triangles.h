@@ -25,7 +25,7 @@ struct TraversalTime {
   bool isFused;
 };
 
-/*! A block of cVERT or cGRID, or a mesh block. */
+/*! A block of cVERT or cGRID, a mesh block, or a tile. */
 struct StoredBlock {
   const void* data;
   BlockType type;
@@ -33,6 +33,13 @@ struct StoredBlock {
   const VertHeader* vert() const { return (const VertHeader*)data; }
   const Block* framed() const { return (const Block*)data; }
   const MeshHeader* mesh() const { return (const MeshHeader*)data; }
+  const MeshTileHeader* meshTile() const { return (const MeshTileHeader*)data; }
+
+  bool isMeshTile() const { return type == TILE_BLOCK && cbvh::isMeshTile(data); }
+  /*! `type`, but MESH_BLOCK for a mesh tile. */
+  BlockType contents() const { return isMeshTile() ? MESH_BLOCK : type; }
+  /*! MeshHeader::info of a mesh block or a mesh tile. */
+  uint32_t meshInfo() const { return isMeshTile() ? meshTile()->meshInfo : mesh()->info; }
 
   uint32_t primID() const {
     uint32_t primID;
@@ -41,7 +48,9 @@ struct StoredBlock {
   }
 
   /*! True for cVERT blocks and tiles of quad or triangle meshes, where quads or their triangles are primitives. */
-  bool areQuadsPrimitives() const { return (type == VERT_BLOCK || type == TILE_BLOCK) && hasPrimIDs(vert()->info); }
+  bool areQuadsPrimitives() const {
+    return (contents() == VERT_BLOCK || contents() == TILE_BLOCK) && hasPrimIDs(vert()->info);
+  }
 };
 
 /*! Finds the triangle of a hit. Immutable, so threads may share it. */

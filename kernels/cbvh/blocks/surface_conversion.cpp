@@ -10,13 +10,14 @@
 #include "../base/resize_to_fit.h"
 #include "../base/thread_cache.h"
 #include "../../cvert/decoder/decoded_block.h"
+#include "../../cvert/encoder/mesh_tile_conversion.h"
 #include "../../cvert/encoder/tile_conversion.h"
 #include "block_table.h"
 #include "tree.h"
 
 namespace embree::cbvh {
 namespace {
-const uint32_t typesOfForms = 1u << VERT_BLOCK | 1u << TILE_BLOCK, exactTypes = typesOfForms | 1u << MESH_BLOCK;
+const uint32_t exactTypes = 1u << VERT_BLOCK | 1u << TILE_BLOCK | 1u << MESH_BLOCK;
 
 /*! References to the leaves of a tree, depth first. */
 void collect(BVH4::NodeRef ref, std::vector<size_t>& leaves) {
@@ -38,9 +39,9 @@ public:
   void convert(size_t& ref) {
     size_t type;
     const void* const block = BVH4::NodeRef(ref).leaf(type);
-    if (type == form || !addConverted((const VertHeader*)block, BlockType(type))) {
+    if (!addConverted((const VertHeader*)block, BlockType(type))) {
       if (!copiesOthers) return;
-      store.add(block, rowOf(BlockType(type)).bytes(block), BBox3fa(empty), uint32_t(type), vertReadPadding);
+      store.add(block, rowOf(BlockType(type)).bytes(block), BBox3fa(empty), uint32_t(type), meshTileReadPadding);
     }
     stored.push_back(&ref);
     store.flushIfFull();
@@ -60,17 +61,38 @@ public:
   CompressionStatistics changes; //!< of the surface's statistics: differences, which wrap around
 
 private:
-  /*! Returns false if the block has no other form. */
+  /*! Returns false if the block remains as it is. */
   bool addConverted(const VertHeader* block, BlockType type) {
-    if (type == TILE_BLOCK) {
+    if (form == TILE_BLOCK ? type == TILE_BLOCK || !isBlockValid(block, type) : type != TILE_BLOCK) return false;
+    if (form != TILE_BLOCK && isMeshTile(block)) return addMesh((const MeshTileHeader*)block);
+    if (form != TILE_BLOCK) {
       const size_t size = blockOfTile(block, blockEncoder, store.reserve(maxBlockBytesOfTile));
       return add(block, tileBytes(block), size);
     }
-    if (type != VERT_BLOCK || !isBlockValid(block, VERT_BLOCK)) return false;
+    if (type == MESH_BLOCK) return addMeshTile((const MeshHeader*)block);
     if (vertQuadsX(block->region) * vertQuadsY(block->region) < minTileQuads) return false;
     uint8_t* const bytes = store.reserve(maxTileBytesOfBlock);
     const size_t size = tileOfBlock(block, DecodedBlock(block).vertices, vertices, tileEncoder, bytes);
     return size != 0 && add(block, vertBytes(block), size);
+  }
+
+  bool addMeshTile(const MeshHeader* block) {
+    uint8_t* const tile = store.reserve(maxBytesOfMeshTile);
+    const size_t size = tileOfMesh(block, tile);
+    if (size == 0) return false;
+    BlockBytes(block, block->bytes).removeFrom(changes);
+    BlockBytes((const MeshTileHeader*)tile, size).addTo(changes);
+    store.commit(size, BBox3fa(empty), TILE_BLOCK, meshTileReadPadding);
+    return true;
+  }
+
+  bool addMesh(const MeshTileHeader* tile) {
+    uint8_t* const block = store.reserve(MeshEncoder::maxBytes);
+    const size_t size = meshOfTile(tile, meshEncoder, block);
+    BlockBytes(tile, tile->bytes).removeFrom(changes);
+    BlockBytes((const MeshHeader*)block, size).addTo(changes);
+    store.commit(size, BBox3fa(empty), MESH_BLOCK, vertReadPadding);
+    return true;
   }
 
   /*! Commits what was written to the store's space. */
@@ -91,6 +113,7 @@ private:
   BlockVertices vertices;
   TileEncoder tileEncoder;
   VertEncoder blockEncoder;
+  MeshEncoder meshEncoder;
   std::vector<size_t*> stored;
 };
 
@@ -147,7 +170,7 @@ static std::vector<size_t> leavesOf(const SurfaceBlocks& surface) {
 }
 
 bool isConvertible(const SurfaceBlocks& surface) {
-  return surface.moving.empty() && (surface.types & typesOfForms) && !(surface.types & ~exactTypes);
+  return surface.moving.empty() && surface.types != 0 && !(surface.types & ~exactTypes);
 }
 
 std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,

@@ -53,8 +53,7 @@ public:
           write(clusters, batches[i],
                 std::unique_ptr<MovingMeshWriter>(new MovingMeshWriter(triangles, plan, store, statistics)));
         else
-          write(clusters, batches[i],
-                std::unique_ptr<MeshWriter>(new MeshWriter(triangles, plan.surfaceNumber, store, statistics)));
+          write(clusters, batches[i], std::unique_ptr<MeshWriter>(new MeshWriter(triangles, plan, store, statistics)));
         results.add(numGrids + i, 0, 0, store);
         results.add(statistics);
         progress(perCenter * double(batches[i].size()));

@@ -38,7 +38,7 @@ public:
 static const size_t expectedBlockBytes = 928;
 
 /*! Bytes reserved per mesh block, about the size of one with 256 triangles. */
-static const size_t expectedMeshBlockBytes = 1664;
+static const size_t expectedMeshBlockBytes = 1664, expectedMeshTileBytes = 2240;
 
 /*! Builds the primitives of a source, and the irregular primitives of a mesh, those that are in no grid. */
 template<typename Source>
@@ -75,7 +75,7 @@ public:
     const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
     const size_t bytes =
         (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? cbvh::expectedTileBytes : expectedBlockBytes) +
-        meshBlocks * expectedMeshBlockBytes;
+        meshBlocks * (plan.makesTiles() ? expectedMeshTileBytes : expectedMeshBlockBytes);
     if (!isSmall()) blocks->memory.reserve(bytes, estimatedBlocks * sizeof(BVH4::AABBNode) / 2);
     source.prepare(perTask, progress);
     if (irregular) irregular->prepare(bordersOf(source, 0), progress);

@@ -9,6 +9,7 @@
 
 #include "../base/block_validity.h"
 #include "hits1.h"
+#include "mesh_corners.h"
 #include "mesh_decoder.h"
 
 namespace embree::isa::cbvh {

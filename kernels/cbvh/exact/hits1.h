@@ -23,13 +23,13 @@ __forceinline SurfacePoint pointOfHit(const Cached& cached, const VertHeader* bl
 
 template<typename Cached>
 __forceinline VertTriangle triangleOf(const Cached& cached, uint32_t g, uint32_t index) {
-  if constexpr (Cached::isMesh) return VertTriangle(cached.triangles(g, index >> 4), index & 15);
+  if constexpr (Cached::isMesh) return meshTriangleOf(cached, g, index); // mesh_corners.h
   else return VertTriangle(cached.vertices(g), index);
 }
 
 template<typename Cached>
 __forceinline auto groupTrianglesHitByLine(const VertRay& ray, const Cached& cached, uint32_t g) {
-  if constexpr (Cached::isMesh) return MeshGroupTriangles(ray, cached, g);
+  if constexpr (Cached::isMesh) return meshTrianglesHitByLine(ray, cached, g); // mesh_corners.h
   else return GroupTriangles(ray, cached.vertices(g));
 }
 

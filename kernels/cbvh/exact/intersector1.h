@@ -8,7 +8,7 @@
  * intersectGroupBoxes(), popNearest() and popAny(). */
 
 #include "boxes.h"
-#include "cached_mesh.h"
+#include "hits1.h"
 
 namespace embree::isa::cbvh {
 /*! A single ray as the Target of VertHitReporter. */
@@ -156,10 +156,11 @@ __noinline bool intersectVert(RayType& ray, IntersectContext* context, VertRay& 
   return VertIntersector1<RayType, CachedVertBlock>::intersect(ray, context, vertRay, block);
 }
 
-/*! block: a MeshHeader. */
+/*! block: a MeshHeader. traversal/mesh_intersector1.cpp defines the function for Ray and RayHit. */
 template<typename RayType>
-__noinline bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
-  return VertIntersector1<RayType, CachedMeshBlock>::intersect(ray, context, vertRay, (const VertHeader*)block);
-}
+bool intersectMesh(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block);
 
+/*! The same for a mesh tile. */
+template<typename RayType>
+bool intersectMeshTile(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* tile);
 } // namespace embree::isa::cbvh

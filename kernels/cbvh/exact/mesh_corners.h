@@ -9,7 +9,7 @@
 
 #include "../base/intrinsics.h"
 #include "mesh_cache.h"
-#include "ray.h"
+#include "triangles.h"
 
 namespace embree::isa::cbvh {
 /*! Vertices of a group in the sheared space in which the ray is the z axis (cvert/rule/rule.h). capacity: at
@@ -17,26 +17,26 @@ namespace embree::isa::cbvh {
 template<int capacity>
 class ShearedMesh {
 public:
-  __forceinline ShearedMesh(const VertRay& ray, const MeshTriangles& triangles) : corners(triangles.corners) {
-    const float(&at)[3][32] = triangles.vertices.at;
+  static const int vectors = (capacity + vectorWidth - 1) / vectorWidth;
+
+  /*! vertices(i,j): vector j of the vertices on the ray's axis kx, ky or kz (i = 0, 1, 2). */
+  template<typename Vertices>
+  __forceinline ShearedMesh(const VertRay& ray, const Vertices& vertices) {
     const vfloatV orgX(ray.org[ray.kx]), orgY(ray.org[ray.ky]), orgZ(ray.org[ray.kz]), sx(ray.sx), sy(ray.sy);
     for (int j = 0; j < vectors; j++) {
-      const int n = vectorWidth * j;
-      const vfloatV z = vfloatV::load(at[ray.kz] + n) - orgZ;
-      storeVector(j, nmadd(sx, z, vfloatV::load(at[ray.kx] + n) - orgX),
-                  nmadd(sy, z, vfloatV::load(at[ray.ky] + n) - orgY));
+      const vfloatV z = vertices(2, j) - orgZ;
+      storeVector(j, nmadd(sx, z, vertices(0, j) - orgX), nmadd(sy, z, vertices(1, j) - orgY));
     }
   }
 
-  /*! Loads sheared x and y of corner c of triangles n to n+vectorWidth-1. */
-  __forceinline void loadCorners(uint32_t n, int c, vfloatV& cornerX, vfloatV& cornerY) const {
-    const uint8_t* const lanes = corners[c] + n;
+  /*! Loads sheared x and y of vectorWidth corners. */
 #if defined(__AVX512F__)
-    const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)lanes));
+  __forceinline void loadCorners(__m512i vertex, vfloatV& cornerX, vfloatV& cornerY) const {
     cornerX = vfloatV(_mm512_permutex2var_ps(x[0], vertex, x[vectors - 1]));
     cornerY = vfloatV(_mm512_permutex2var_ps(y[0], vertex, y[vectors - 1]));
+  }
 #elif defined(__AVX2__)
-    const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)lanes));
+  __forceinline void loadCorners(__m256i vertex, vfloatV& cornerX, vfloatV& cornerY) const {
     // bits 0 to 2 of a vertex select a lane, bits 3 and 4 a vector; blendv reads the sign bit
     const __m256 bit3 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex, 28)),
                  bit4 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex, 27));
@@ -49,7 +49,11 @@ public:
     };
     cornerX = select(x);
     cornerY = select(y);
-#elif defined(__AVX__)
+  }
+#else
+  template<typename Index>
+  __forceinline void loadCorners(const Index* lanes, vfloatV& cornerX, vfloatV& cornerY) const {
+#if defined(__AVX__)
     vfloat4 x[2], y[2];
     for (int half = 0; half < 2; half++) loadFour(lanes + 4 * half, x[half], y[half]);
     cornerX = vfloatV(x[0], x[1]);
@@ -58,11 +62,9 @@ public:
     loadFour(lanes, cornerX, cornerY);
 #endif
   }
+#endif
 
 private:
-  static const int vectors = (capacity + vectorWidth - 1) / vectorWidth;
-
-  const uint8_t (&corners)[3][16];
 #if defined(__AVX2__)
   vfloatV x[vectors], y[vectors];
 
@@ -84,7 +86,8 @@ private:
     }
   }
 
-  __forceinline void loadFour(const uint8_t* lanes, vfloat4& x, vfloat4& y) const {
+  template<typename Index>
+  __forceinline void loadFour(const Index* lanes, vfloat4& x, vfloat4& y) const {
     auto two = [&](int i) {
       return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), (const __m64*)xy[lanes[i]]), (const __m64*)xy[lanes[i + 1]]);
     };
@@ -95,22 +98,46 @@ private:
 #endif
 };
 
-/*! trianglesHitByLine for up to `capacity` vertices. */
-template<int capacity>
-__forceinline uint32_t trianglesOfMeshHitByLine(const VertRay& ray, const MeshTriangles& triangles,
-                                                SidesInLanes& sides) {
-  const ShearedMesh<capacity> mesh(ray, triangles);
+/*! Corner c of triangles n to n+vectorWidth-1, for ShearedMesh::loadCorners. */
+__forceinline auto cornersOf(const MeshTriangles& triangles, uint32_t n, int c) {
+  const uint8_t* const lanes = triangles.corners[c] + n;
+#if defined(__AVX512F__)
+  return _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)lanes));
+#elif defined(__AVX2__)
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)lanes));
+#else
+  return lanes;
+#endif
+}
+
+/*! trianglesHitByLine for up to `capacity` vertices, of all 16 lanes. Vertices: see ShearedMesh. Triangles: an argument
+ *  of cornersOf(). */
+template<int capacity, typename Vertices, typename Triangles>
+__forceinline uint32_t lanesHitByLine(const VertRay& ray, const Vertices& vertices, const Triangles& triangles,
+                                      SidesInLanes& sides) {
+  const ShearedMesh<capacity> mesh(ray, vertices);
   vboolV inside[MeshTriangles::width / vectorWidth];
   for (uint32_t j = 0; j < MeshTriangles::width / vectorWidth; j++) {
     vfloatV x[3], y[3];
-    for (int c = 0; c < 3; c++) mesh.loadCorners(vectorWidth * j, c, x[c], y[c]);
+    for (int c = 0; c < 3; c++) mesh.loadCorners(cornersOf(triangles, vectorWidth * j, c), x[c], y[c]);
     const vfloatV w0 = edgeSide(x[1], y[1], x[2], y[2]);
     const vfloatV w1 = edgeSide(x[2], y[2], x[0], y[0]);
     const vfloatV w2 = edgeSide(x[0], y[0], x[1], y[1]);
     inside[j] = mayContain(w0, w1, w2);
     sides.set(int(j), w0, w1, w2);
   }
-  return movemasks(inside) & triangles.lanes;
+  return movemasks(inside);
+}
+
+/*! trianglesHitByLine for up to `capacity` vertices. */
+template<int capacity>
+__forceinline uint32_t trianglesOfMeshHitByLine(const VertRay& ray, const MeshTriangles& triangles,
+                                                SidesInLanes& sides) {
+  const float* const axes[3] = {triangles.vertices.at[ray.kx], triangles.vertices.at[ray.ky],
+                                triangles.vertices.at[ray.kz]};
+  return lanesHitByLine<capacity>(
+             ray, [&](int i, int j) { return vfloatV::load(axes[i] + vectorWidth * j); }, triangles, sides) &
+         triangles.lanes;
 }
 
 /*! Returns the mask of triangles that the ray's line may pass through. Sets the sides of all lanes. */
@@ -118,6 +145,12 @@ __forceinline uint32_t trianglesHitByLine(const VertRay& ray, const MeshTriangle
   if (triangles.numVertices <= 16) return trianglesOfMeshHitByLine<16>(ray, triangles, sides);
   if (likely(triangles.numVertices <= 24)) return trianglesOfMeshHitByLine<24>(ray, triangles, sides);
   return trianglesOfMeshHitByLine<32>(ray, triangles, sides);
+}
+
+/*! The triangle of half a group in a lane. */
+__forceinline VertTriangle triangleInLane(const MeshTriangles& triangles, uint32_t lane) {
+  const uint8_t vertices[3] = {triangles.corners[0][lane], triangles.corners[1][lane], triangles.corners[2][lane]};
+  return VertTriangle(triangles.vertices.at, vertices);
 }
 
 /*! GroupTriangles (triangles.h) of a group of a mesh block. */
@@ -140,4 +173,16 @@ public:
 private:
   SidesInLanes halves[2];
 };
+
+/* Of a CachedMeshBlock or MovingMeshBlock, for hits1.h: */
+
+template<typename Cached>
+__forceinline VertTriangle meshTriangleOf(const Cached& cached, uint32_t g, uint32_t index) {
+  return triangleInLane(cached.triangles(g, index >> 4), index & 15);
+}
+
+template<typename Cached>
+__forceinline MeshGroupTriangles meshTrianglesHitByLine(const VertRay& ray, const Cached& cached, uint32_t g) {
+  return MeshGroupTriangles(ray, cached, g);
+}
 } // namespace embree::isa::cbvh

@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Intersector of mesh blocks at rest for packets: one ray after the other, with boxes, then triangles, in lanes. */
+/* Intersector of mesh blocks and mesh tiles at rest for packets: one ray after the other, with boxes, then triangles,
+ * in lanes. */
 
 #include "hitsK.h"
-#include "intersector1.h"
+#include "mesh_intersector1.h"
 
 namespace embree::isa::cbvh {
 template<int K, typename Rays>
@@ -27,14 +28,36 @@ public:
     return vbool<K>(int(found));
   }
 
+  /*! The same for a mesh tile. */
+  static __noinline vbool<K> intersectTile(const vbool<K>& valid, Rays& rays, IntersectContext* context,
+                                           VertRays<K>& vertRays, const void* tile) {
+    vertRays.set(rays);
+    uint32_t found = 0;
+    for (uint32_t rest = uint32_t(movemask(valid)); rest; rest &= rest - 1) {
+      const uint32_t k = uint32_t(bsf(rest));
+      const VertRay ray = rayOf(vertRays, k);
+      if (intersectGroupsOfTile<IsAnyHit<Rays>::value>(VertTargetK<K, Rays>{rays, context, k}, ray, vertRays.nearest(k),
+                                                       (const MeshTileHeader*)tile))
+        found |= 1u << k;
+    }
+    return vbool<K>(int(found));
+  }
+
 private:
-  static __forceinline bool intersectOne(uint32_t k, Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
-                                         const VertHeader* block, const CachedMeshBlock& cached) {
-    // ray() leaves out the members that tests of boxes read
+  /*! Ray k with the members that tests of boxes read. */
+  static __forceinline VertRay rayOf(VertRays<K>& vertRays, uint32_t k) {
     VertRay ray = vertRays.ray(k);
-    for (int i = 0; i < 3; i++) ray.rcp[i] = vertRays.rcp[i][k];
+    for (int i = 0; i < 4; i++) ray.rcp[i] = vertRays.rcp[i % 3][k];
+    ray.org[3] = ray.org[0];
+    ray.dir[3] = ray.dir[0];
     ray.largestComponent = vertRays.largestComponent[k];
     ray.negativeAxes = uint32_t(vertRays.rayClass[k]) >> 2;
+    return ray;
+  }
+
+  static __forceinline bool intersectOne(uint32_t k, Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
+                                         const VertHeader* block, const CachedMeshBlock& cached) {
+    const VertRay ray = rayOf(vertRays, k);
     alignas(64) float enter[16];
     const uint32_t groups = intersectGroupBoxes(ray, rays.tnear()[k], rays.tfar[k], cached.boxes(), enter);
     return intersectGroups<IsAnyHit<Rays>::value>(VertTargetK<K, Rays>{rays, context, k}, ray, vertRays.nearest(k),

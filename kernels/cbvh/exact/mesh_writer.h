@@ -3,13 +3,14 @@
 
 #pragma once
 
-/* Writer of mesh blocks: rounds and encodes clusters (cvert/encoder/mesh_partition.h) of irregular triangles
- * (surface/irregular_triangles.h), and appends the blocks to a store. One writer per task. */
+/* Writer of mesh blocks or mesh tiles: rounds and encodes clusters (cvert/encoder/mesh_partition.h) of irregular
+ * triangles (surface/irregular_triangles.h), and appends the blocks to a store. One writer per task. */
 
+#include "../base/block_bytes.h"
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
 #include "../surface/irregular_triangles.h"
-#include "../../cvert/encoder/mesh_encoder.h"
+#include "../../cvert/encoder/mesh_tile_conversion.h"
 
 namespace embree::isa {
 class MeshWriter {
@@ -17,10 +18,11 @@ public:
   static const uint32_t trianglesPerGroup = 16; //!< of a full group
 
   /*! The arguments must outlive the writer. */
-  MeshWriter(const IrregularTriangles& source, uint32_t surfaceNumber, BlockStore& store,
+  MeshWriter(const IrregularTriangles& source, const CompressionPlan& plan, BlockStore& store,
              cbvh::BuildStatistics& statistics)
     : source(source),
-      surfaceNumber(surfaceNumber),
+      surfaceNumber(plan.surfaceNumber),
+      makesTiles(plan.makesTiles()),
       store(store),
       statistics(statistics) {}
 
@@ -68,13 +70,8 @@ public:
 
   /*! bytes: size of the block without padding. */
   static void addToStatistics(const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics) {
-    const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
-    const size_t stride = (bytes + cbvh::blockAlignment - 1) & ~size_t(cbvh::blockAlignment - 1);
-    cbvh::CompressionStatistics& sums = statistics.sums;
-    sums.headerBytes += layout.boxes;
-    sums.nodeBytes += layout.topology - layout.boxes;
-    sums.leafBytes += stride - layout.topology;
-    sums.numBlocks++;
+    cbvh::BlockBytes(&header, bytes).addTo(statistics.sums);
+    statistics.sums.numBlocks++;
   }
 
 private:
@@ -84,14 +81,26 @@ private:
     for (uint32_t i = 0; i < count; i++)
       for (const float(&p)[3] : blockTriangles[i].corners) bounds.extend(p[0], p[1], p[2]);
     if (source.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->info |= cbvh::meshHasQuads;
-    memcpy(store.reserve(bytes), block, bytes);
-    store.commit(bytes, toBBox(bounds), cbvh::MESH_BLOCK, cbvh::vertReadPadding);
     store.hitBounds.extend(bounds);
+    if (makesTiles && commitTile(toBBox(bounds))) return;
+    store.add(block, bytes, toBBox(bounds), cbvh::MESH_BLOCK, cbvh::vertReadPadding);
     addToStatistics(*(const cbvh::MeshHeader*)block, bytes, statistics);
+  }
+
+  /*! Stores the encoded block as a tile. Returns false if it has none. */
+  bool commitTile(const BBox3fa& bounds) {
+    uint8_t* const tile = store.reserve(cbvh::maxBytesOfMeshTile);
+    const size_t bytes = cbvh::tileOfMesh((const cbvh::MeshHeader*)block, tile);
+    if (bytes == 0) return false;
+    cbvh::BlockBytes((const cbvh::MeshTileHeader*)tile, bytes).addTo(statistics.sums);
+    statistics.sums.numBlocks++;
+    store.commit(bytes, bounds, cbvh::TILE_BLOCK, cbvh::meshTileReadPadding);
+    return true;
   }
 
   const IrregularTriangles& source;
   const uint32_t surfaceNumber;
+  const bool makesTiles;
   BlockStore& store;
   cbvh::BuildStatistics& statistics;
   cbvh::MeshEncoder encoder;

@@ -5,7 +5,7 @@
 
 /* Searches blocks for triangles within the radius of a query, nearest boxes first. */
 
-#include "cached_mesh.h"
+#include "decoded_mesh_tile.h"
 #include "moving_block.h"
 #include "near_triangles.h"
 #include "tile_block.h"
@@ -126,6 +126,7 @@ public:
   }
 
   void searchTile(const VertHeader* header) {
+    if (isMeshTile(header)) return searchTriangles(header, DecodedMeshTile((const MeshTileHeader*)header));
     const TileBlock tile(header);
     BoxDistances leaves(p, header);
     uint32_t leaf[2] = {0, 0};
@@ -204,7 +205,7 @@ private:
         test(
             MeshDistances(cached.triangles(g, half), p), ~0u, block, BlockPrimitives::TRIANGLES,
             [&](uint32_t bit) { return TrianglePlace{g, 16 * half + bit}; },
-            [&](TrianglePlace place, uint32_t bit) { return VertTriangle(cached.triangles(place.group, half), bit); },
+            [&](TrianglePlace place, uint32_t bit) { return triangleInLane(cached.triangles(place.group, half), bit); },
             [&](TrianglePlace place, const VertTriangle::Sides& sides) {
               return cached.point(place.group, place.index, clampParameter(sides.w1), clampParameter(sides.w2));
             });

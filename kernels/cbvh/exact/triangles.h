@@ -7,7 +7,6 @@
  * in lanes for a single ray, or with rays in lanes for a packet. hits1.h and hitsK.h process these triangles. */
 
 #include "decoder.h"
-#include "mesh_corners.h"
 #include "ray.h"
 
 namespace embree::isa::cbvh {
@@ -20,12 +19,6 @@ struct VertTriangle {
     const uint8_t* const lanes = vertTables.triangles[index];
     for (int k = 0; k < 3; k++)
       for (int i = 0; i < 3; i++) vertices[k][i] = group.at[k][lanes[i]];
-  }
-
-  /*! index: lane of the triangle in the half group. */
-  __forceinline VertTriangle(const MeshTriangles& triangles, uint32_t index) {
-    for (int k = 0; k < 3; k++)
-      for (int c = 0; c < 3; c++) vertices[k][c] = triangles.vertices.at[k][triangles.corners[c][index]];
   }
 
   /*! axes: by axis, the vertices of several triangles. lanes: of this triangle's vertices. */

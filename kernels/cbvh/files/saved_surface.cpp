@@ -10,6 +10,7 @@
 #include "../embree/scene.h"
 #include "../blocks/block_table.h"
 #include "../blocks/surface_blocks.h"
+#include "../../cvert/encoder/mesh_tile_conversion.h"
 #include "../../cvert/encoder/tile_conversion.h"
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
@@ -49,7 +50,8 @@ private:
     if (!isBlockValid(block, blockType))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                      "the geometry cannot be saved: the file that it was loaded from has a damaged block");
-    if (blockType == TILE_BLOCK) return tile((const VertHeader*)block);
+    if (blockType == TILE_BLOCK)
+      return isMeshTile(block) ? tile((const MeshTileHeader*)block) : tile((const VertHeader*)block);
     const BlockRow row = rowOf(blockType);
     return to.append(fileChildOf(blockType, row.moves(block)), block, row.bytes(block), row.surface);
   }
@@ -62,6 +64,15 @@ private:
     BlockBytes((const VertHeader*)block, bytes).addTo(statistics.sums);
     statistics.sums.numRawBlocks += isRaw(((const VertHeader*)block)->info);
     return to.append(FILE_VERT, to.keep(block, bytes), uint32_t(bytes), offsetof(VertHeader, surface));
+  }
+
+  /*! As above, as a mesh block. */
+  uint64_t tile(const MeshTileHeader* tile) {
+    alignas(blockAlignment) uint8_t block[MeshEncoder::maxBytes];
+    const size_t bytes = meshOfTile(tile, meshEncoder, block);
+    BlockBytes(tile, tile->bytes).removeFrom(statistics.sums);
+    BlockBytes((const MeshHeader*)block, bytes).addTo(statistics.sums);
+    return to.append(FILE_MESH, to.keep(block, bytes), uint32_t(bytes), offsetof(MeshHeader, surface));
   }
 
   uint64_t child(BVH4::NodeRef ref) {
@@ -113,6 +124,7 @@ private:
 
   FileSurface& to;
   VertEncoder encoder;
+  MeshEncoder meshEncoder;
 };
 
 /*! Tiles are stored as blocks. */

@@ -12,6 +12,13 @@
 
 namespace embree::isa {
 namespace cbvh {
+/*! Of quads or of a mesh. */
+template<typename RayType>
+__forceinline bool intersectAnyTile(RayType& ray, IntersectContext* context, VertRay& vertRay, const void* tile) {
+  return isMeshTile(tile) ? intersectMeshTile(ray, context, vertRay, tile)
+                          : intersectTile(ray, context, vertRay, (const VertHeader*)tile);
+}
+
 /*! State of a ray for the leaves of the tree of surfaces at rest. */
 struct StaticRay {
   SubdivPatch1Intersector1::Precalculations grids;
@@ -43,7 +50,7 @@ public:
     const void* const prim = leaf.ref.leaf(type);
     switch (likelyType(type)) {
     case VERT_BLOCK: intersectVert(ray, context, state.vert, (const VertHeader*)prim); return top;
-    case TILE_BLOCK: intersectTile(ray, context, state.vert, (const VertHeader*)prim); return top;
+    case TILE_BLOCK: intersectAnyTile(ray, context, state.vert, prim); return top;
     case MESH_BLOCK: intersectMesh(ray, context, state.vert, prim); return top;
     case FRAMED_BLOCK: return state.framed.intersect(ray, context, leaf.ref, leaf.entryT(), stack, top);
     }
@@ -59,7 +66,7 @@ public:
     const void* const prim = leaf.leaf(type);
     switch (likelyType(type)) {
     case VERT_BLOCK: return intersectVert(ray, context, state.vert, (const VertHeader*)prim);
-    case TILE_BLOCK: return intersectTile(ray, context, state.vert, (const VertHeader*)prim);
+    case TILE_BLOCK: return intersectAnyTile(ray, context, state.vert, prim);
     case MESH_BLOCK: return intersectMesh(ray, context, state.vert, prim);
     case FRAMED_BLOCK: return state.framed.occluded(ray, context, prim);
     }
@@ -89,7 +96,7 @@ public:
     size_t type;
     const void* const prim = leaf.leaf(type);
     switch (BlockType(__builtin_expect(long(type), TILE_BLOCK))) {
-    case TILE_BLOCK: return intersectTile(ray, context, vert, (const VertHeader*)prim);
+    case TILE_BLOCK: return intersectAnyTile(ray, context, vert, prim);
     case VERT_BLOCK: return intersectVert(ray, context, vert, (const VertHeader*)prim);
     case MESH_BLOCK: return intersectMesh(ray, context, vert, prim);
     case FRAMED_BLOCK: break; // not below wide nodes

@@ -67,8 +67,10 @@ private:
                                         const vfloat<K>& entryT) {
     using namespace cbvh;
     switch (type) {
-    case VERT_BLOCK:
-    case TILE_BLOCK: return VertIntersectorK<K, Rays>::intersect(valid, rays, context, vert, (const VertHeader*)prim);
+    case TILE_BLOCK:
+      if (isMeshTile(prim)) return MeshIntersectorK<K, Rays>::intersectTile(valid, rays, context, vert, prim);
+      [[fallthrough]]; // tiles of quads are decoded as blocks
+    case VERT_BLOCK: return VertIntersectorK<K, Rays>::intersect(valid, rays, context, vert, (const VertHeader*)prim);
     case MESH_BLOCK: return MeshIntersectorK<K, Rays>::intersect(valid, rays, context, vert, prim);
     case FRAMED_BLOCK: return framed.intersect(valid, rays, context, prim, entryT);
     }

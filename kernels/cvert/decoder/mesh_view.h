@@ -62,13 +62,18 @@ public:
     return g;
   }
 
-  void vertex(uint32_t v, float out[3]) const {
+  /*! Coordinates of a vertex; on the sheared axis, before the shear is subtracted. */
+  void storedCoordinates(uint32_t v, uint32_t out[3]) const {
     const uint32_t g = groupOfVertex(v), *const bits = fieldBits[g];
     uint32_t at = vertexBegin[g] + (v - firstVertex[g]) * (bits[0] + bits[1] + bits[2]);
-    uint32_t coordinates[3];
     for (uint32_t k = 0; k < 3; at += bits[k++])
-      coordinates[k] =
+      out[k] =
           meshBitsAt(vertices, at, bits[k]) + (meshPlane(block, k, g) << meshBoxShift(block->spacings, block->info, k));
+  }
+
+  void vertex(uint32_t v, float out[3]) const {
+    uint32_t coordinates[3];
+    storedCoordinates(v, coordinates);
     if (isSheared()) {
       const uint32_t m = meshShearedAxis(block->info);
       coordinates[m] -= uint32_t(meshShear(block->info, int(coordinates[(m + 1) % 3]), int(coordinates[(m + 2) % 3])));

@@ -56,6 +56,16 @@ public:
     return write(surface, block, statistics);
   }
 
+  /*! Encodes triangles that were decoded from a block, group by group, as that block. Requires corners without -0. */
+  size_t encodeInOrder(const MeshTriangle* triangles, const MeshGroups& groups, uint32_t surface, uint8_t* block,
+                       MeshStatistics& statistics) {
+    uint32_t stored;
+    keepsOrder = true;
+    const size_t bytes = encode(triangles, groups.ends, groups.count, surface, block, stored, statistics);
+    keepsOrder = false;
+    return bytes;
+  }
+
   /*! Encodes a cluster of MeshClusters. Calls onBlock(bytes,first,count) for each block: several if groups were
    *  divided. areHalvesOfQuads: consecutive triangles of a quad stay in one block. */
   template<typename OnBlock>
@@ -162,7 +172,7 @@ protected:
         }
       }
       count = used;
-      strips.make(local, count);
+      strips.make(local, count, keepsOrder);
       if (strips.numRestarts <= maxGroupRestarts) break;
     }
     Group& group = all[groups++];
@@ -494,6 +504,7 @@ protected:
   uint32_t idOfCorner[3 * maxMeshTriangles + 3 * maxGroupTriangles];
   uint16_t cornerOfVertex[maxMeshVertices];
   MeshStrips strips;
+  bool keepsOrder = false; //!< see encodeInOrder
   uint32_t groups, numTriangles, numVertices;
   Group all[maxMeshGroups];
   float vertices[maxMeshVertices][3];

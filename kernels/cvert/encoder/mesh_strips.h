@@ -18,9 +18,11 @@ public:
   uint8_t firstCorners[maxGroupTriangles];
   uint32_t restarts, fans; //!< a bit per triangle in `order`; bit 0 is 0
 
-  /*! corners: indices below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles. */
-  void make(const uint8_t (*corners)[3], uint32_t count) {
+  /*! corners: indices below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles.
+   *  keepsOrder: the triangles are in the order that an earlier call chose; makes the same strips again. */
+  void make(const uint8_t (*corners)[3], uint32_t count, bool keepsOrder = false) {
     this->corners = corners;
+    this->keepsOrder = keepsOrder;
     numTriangles = streamSize = numRestarts = 0;
     restarts = fans = 0;
     std::memset(incident, 0, sizeof(incident));
@@ -33,6 +35,7 @@ private:
   const uint8_t (*corners)[3];
   uint32_t incident[maxGroupVertices + 1]; //!< a bit per triangle, by vertex
   uint32_t left;                           //!< mask of triangles in no strip
+  bool keepsOrder;
 
   /*! Mask of triangles in no strip with the edge from x to y in this direction. */
   uint32_t withEdge(uint8_t x, uint8_t y) const {
@@ -53,7 +56,7 @@ private:
 
   /*! candidates: not 0. */
   uint32_t leastConnected(uint32_t candidates) const {
-    if ((candidates & (candidates - 1)) == 0) return uint32_t(__builtin_ctz(candidates));
+    if ((candidates & (candidates - 1)) == 0 || keepsOrder) return uint32_t(__builtin_ctz(candidates));
     uint32_t best = 0, least = ~0u;
     for (; candidates && least; candidates &= candidates - 1) {
       const uint32_t t = uint32_t(__builtin_ctz(candidates)), d = degree(t);

@@ -174,6 +174,9 @@ CVERT_END
 #ifndef VULKAN
 CVERT_BEGIN
 
+/*! For tiles of any kind: true if it was made from a mesh block (mesh_tile.h), and has 0 instead of tileInfo. */
+inline bool isMeshTile(const void* tile) { return ((const VertHeader*)tile)->info == 0; }
+
 /*! Size of a tile in bytes, without padding. */
 inline uint32_t tileBytes(const VertHeader* tile) {
   return endOfNumbers(tile, tileEnd(tile->region, tile->info, tileVertexBytes(tile)));

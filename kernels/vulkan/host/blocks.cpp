@@ -83,7 +83,7 @@ std::vector<PlacedBlock*> withoutRepeats(const std::vector<PlacedBlock*>& blocks
   std::vector<PlacedBlock*> unique;
   std::unordered_set<const void*> found;
   for (PlacedBlock* block : blocks)
-    if (found.insert(block->block->data).second) unique.push_back(block);
+    if (found.insert(block->block->source).second) unique.push_back(block);
   return unique;
 }
 
@@ -133,7 +133,7 @@ std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const s
   const auto surface = std::make_shared<UploadedSurface>();
   for (PlacedBlock* block : blocks) {
     writer.write(*block);
-    surface->places.push_back({block->block->data, block->address});
+    surface->places.push_back({block->block->source, block->address});
     if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back())
       surface->buffers.push_back(writer.buffers.back());
   }
@@ -232,7 +232,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
 
   uploader.flush(); // before adding surfaces: scenes on other threads may use them at once
   for (const auto& surface : surfaces) {
-    for (PlacedBlock* block : builds[surface.first]) block->address = surface.second->addressOf(block->block->data);
+    for (PlacedBlock* block : builds[surface.first]) block->address = surface.second->addressOf(block->block->source);
     device.uploads.add(surface.first, surface.second);
     out.surfaces.push_back(surface.second);
   }

@@ -20,7 +20,7 @@ struct PlacedBlock {
 /* The blocks of one build of a surface (FlatGeometry::buildID) on a device. */
 struct UploadedSurface {
   struct Place {
-    const void* source; // FlatBlock::data
+    const void* source; // FlatBlock::source
     VkDeviceAddress address;
   };
 
@@ -35,6 +35,7 @@ struct UploadedSurface {
 struct BlockBuffers {
   std::vector<std::shared_ptr<Buffer>> own;
   std::vector<std::shared_ptr<const UploadedSurface>> surfaces;
+  std::vector<std::shared_ptr<const cbvh::FlatScene>> imported; // those that own imported blocks
   size_t importedBytes = 0;
 
   size_t bytes() const; // counts shared buffers once

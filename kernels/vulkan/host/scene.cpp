@@ -188,6 +188,8 @@ private:
     if (import) {
       try {
         out.blocks = importBlocks(device, placed);
+        for (const InputScene& input : inputs)
+          if (input.flat->hasOwnBlocks) out.blocks.imported.push_back(input.flat);
       } catch (const VulkanError& error) {
         if (isImportRequired)
           throw VulkanError(error.code, error.what() + std::string("; RTC_VULKAN_MEMORY_AUTO copies such blocks"));
