@@ -27,10 +27,12 @@ inline unsigned threadCount(int requested) {
  * exception. Throws Canceled after a cancellation. Leaves out ranges that have not begun by then. */
 template<typename Body>
 void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body) {
+  const Cancellation* const cancellation = CancellationScope::current();
   std::atomic<size_t> next{0};
   std::exception_ptr failure;
   std::mutex mutex;
   auto work = [&] {
+    const CancellationScope scope(cancellation);
     try {
       for (size_t begin; !cancelRequested() && (begin = next.fetch_add(chunk)) < n;)
         body(begin, std::min(begin + chunk, n));

@@ -19,6 +19,7 @@ namespace {
 
 volatile std::sig_atomic_t signalFlag = 0;
 std::atomic<bool> requestFlag{false};
+thread_local const Cancellation* threadCancellation = nullptr;
 PhaseListener phaseListener;
 
 /* Read by signal handlers, which must not allocate. */
@@ -73,7 +74,17 @@ void requestCancel() { requestFlag = true; }
 
 void clearCancel() { requestFlag = false; }
 
-bool cancelRequested() { return interrupted() || requestFlag; }
+CancellationScope::CancellationScope(const Cancellation* cancellation) : outer(threadCancellation) {
+  threadCancellation = cancellation;
+}
+
+CancellationScope::~CancellationScope() { threadCancellation = outer; }
+
+const Cancellation* CancellationScope::current() { return threadCancellation; }
+
+bool cancelRequested() {
+  return interrupted() || (threadCancellation ? threadCancellation->isRequested() : requestFlag.load());
+}
 
 void throwIfCanceled() {
   if (cancelRequested()) throw Canceled();

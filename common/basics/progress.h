@@ -34,7 +34,33 @@ void requestCancel();
 /* Withdraws requestCancel, but not a signal. */
 void clearCancel();
 
-/* True after requestCancel or a signal. Thread-safe. */
+/* A request to cancel the work of some threads only. Thread-safe. */
+class Cancellation {
+public:
+  void request() { flag = true; }
+  bool isRequested() const { return flag; }
+
+private:
+  std::atomic<bool> flag{false};
+};
+
+/* While it lives, `cancellation` replaces requestCancel for the calling thread, unless it is null. Threads that work
+ * for this thread need a scope, too: parallelFor makes one. */
+class CancellationScope {
+public:
+  explicit CancellationScope(const Cancellation* cancellation);
+  ~CancellationScope();
+  CancellationScope(const CancellationScope&) = delete;
+  CancellationScope& operator=(const CancellationScope&) = delete;
+
+  /* Of the calling thread, or null. */
+  static const Cancellation* current();
+
+private:
+  const Cancellation* const outer;
+};
+
+/* True after a signal, or a request to cancel the work of the calling thread. Thread-safe. */
 bool cancelRequested();
 
 void throwIfCanceled();

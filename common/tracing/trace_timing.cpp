@@ -72,7 +72,9 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
   std::atomic<size_t> next{0}, hits{0};
   std::atomic<unsigned> waiting{0};
   std::atomic<bool> go{false};
+  const Cancellation* const cancellation = CancellationScope::current();
   const auto work = [&] {
+    const CancellationScope scope(cancellation);
     const FlushDenormals denormals;
     RTCIntersectContext context = traceContext(settings.coherent);
     size_t count = 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "basics/parallel.h"
+#include "basics/error.h"
 #include "support/address_space.h"
 
 #include <gtest/gtest.h>
@@ -32,6 +33,22 @@ TEST(Parallel, RunsOnTheThreadsThatTheSystemCreates) {
     std::_Exit(sum == 999 * 1000 / 2 ? 0 : 1);
   };
   EXPECT_EXIT(child(), testing::ExitedWithCode(0), "");
+}
+
+TEST(Parallel, CancellationStopsAllThreadsOfItsLoopOnly) {
+  Cancellation canceled, other;
+  const auto loop = [](const Cancellation& cancellation, Cancellation& request) {
+    const CancellationScope scope(&cancellation);
+    std::atomic<size_t> calls{0};
+    parallelFor(5000, 1, 3, [&](size_t, size_t) {
+      if (++calls == 10) request.request();
+    });
+    return calls.load();
+  };
+  EXPECT_THROW(loop(canceled, canceled), Canceled);
+  EXPECT_EQ(loop(other, canceled), 5000u);
+  EXPECT_EQ(CancellationScope::current(), nullptr);
+  EXPECT_FALSE(cancelRequested());
 }
 
 }} // namespace programs::test

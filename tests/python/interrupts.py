@@ -147,7 +147,56 @@ class Threads(unittest.TestCase):
         middle = [t for t in ticks if begin + 0.25 * (end - begin) < t < end - 0.25 * (end - begin)]
         self.assertGreater(len(middle), 0)
 
-    def test_builds_and_traces_of_several_threads_are_serialized(self):
+    def test_queries_of_other_threads_run_during_a_query(self):
+        """An endless query of the main thread is interrupted once those of other threads have returned."""
+        scenes = [cbvh.build(bumpy_model(), "ctile", 5), cbvh.build(bumpy_model(), "grid", 4)]
+        rays = rays_from_above(256)
+
+        def queries(scene):
+            results = [scene.intersect(*rays).t, scene.occluded(*rays), scene.intersect(*rays, threads=1).t]
+            if scene is scenes[0]:
+                positions, hits = scene.closest_points(rays[0])
+                results += [positions, hits.t]
+            return [result.tobytes() for result in results]
+
+        expected = [queries(scene) for scene in scenes]
+        found = {}
+
+        def work(number):
+            found[number] = queries(scenes[number % 2])
+
+        def work_and_press():
+            workers = [threading.Thread(target=work, args=(number,)) for number in range(6)]
+            for worker in workers:
+                worker.start()
+            for worker in workers:
+                worker.join()
+            os.kill(os.getpid(), signal.SIGINT)
+
+        interval = sys.getswitchinterval()
+        self.addCleanup(sys.setswitchinterval, interval)
+        sys.setswitchinterval(1000)  # other threads run only once the main thread waits in its query
+        thread = threading.Thread(target=work_and_press)
+        with self.assertRaises(KeyboardInterrupt):
+            thread.start()
+            scenes[0].trace_seconds(*rays, passes=2**31)
+        sys.setswitchinterval(interval)
+        thread.join()
+        self.assertEqual(found, {number: expected[number % 2] for number in range(6)})
+
+    def test_queries_run_during_a_build(self):
+        scene, rays = cbvh.build(bumpy_model(), "ctile", 5), rays_from_above()
+        expected, found = scene.intersect(*rays).t, []
+
+        def progress(*_):
+            found.append(scene.intersect(*rays).t)
+
+        cbvh.build(bumpy_model(), "cvert", 5, progress=progress)
+        self.assertGreater(len(found), 0)
+        for t in found:
+            np.testing.assert_array_equal(t, expected)
+
+    def test_several_threads_build_and_trace(self):
         model, rays = bumpy_model(), rays_from_above()
         expected = {name: cbvh.build(model, name, 5).intersect(*rays).t for name in ("grid", "cvert", "cleaf")}
         found, phases = {}, {}

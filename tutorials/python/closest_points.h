@@ -5,14 +5,12 @@
 
 /* Closest points of scenes, for arrays of points. */
 
-#include "hits.h"
-
-#include "building/traced_scene.h"
+#include "scene.h"
 
 namespace programs::python {
 
 /* Arguments as for Scene.closest_points, except for `threads`, which is at least 1. Returns positions and Hits. */
-py::tuple closestPoints(const TracedScene& scene, const std::shared_ptr<const FaceNumbers>& faces,
-                        const py::object& points, const py::object& radius, const py::object& time, unsigned threads);
+py::tuple closestPoints(const Scene& scene, const py::object& points, const py::object& radius, const py::object& time,
+                        unsigned threads);
 
 } // namespace programs::python

@@ -185,7 +185,7 @@ std::shared_ptr<Scene> buildGeometries(const py::iterable& geometries, const std
   const std::vector<std::shared_ptr<const Geometry>> items = readGeometries(geometries);
   const Representation kind = readExactRepresentation(representation);
   const unsigned n = threadsOf(threads);
-  return interruptible(progress, [&]() -> std::shared_ptr<Scene> {
+  return interruptibleBuild(progress, [&]() -> std::shared_ptr<Scene> {
     auto scene = std::make_unique<BuiltGeometries>(kind, n, isa);
     const double seconds = secondsOf([&] {
       for (size_t i = 0; i < items.size(); i++)
@@ -205,8 +205,7 @@ isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512";
 progress: called with the name of a phase and the fraction done, 0 to 1. An exception that it raises stops the build.
 
 The arrays of the geometries are read during the call, and are not needed afterwards. Ctrl-C (KeyboardInterrupt) stops
-the build. Other Python threads keep running; if they call this module to build or to trace, they wait until it is their
-turn.
+the build. Other Python threads keep running, and may trace. Builds of several threads run one after the other.
 
 Raises ValueError or TypeError for invalid arguments, and Error for other reasons, with Embree's message.)";
 

@@ -5,12 +5,12 @@
 #include "basics/error.h"
 #include "basics/progress.h"
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -19,52 +19,36 @@ namespace {
 
 constexpr auto pollInterval = std::chrono::milliseconds(50);
 
-std::timed_mutex callMutex;
-std::atomic<std::thread::id> currentThread;
+void throwIfSignalled() {
+  if (PyErr_CheckSignals()) throw py::error_already_set();
+}
 
-/* Threads in runInterruptible, and whether the interpreter is about to end. Both change only under the interpreter's
- * lock. */
-std::atomic<int> numRunning{0};
-std::atomic<bool> ending{false};
+/* --- calls that have not returned; both variables are used only under the interpreter's lock ---------- */
 
-/* Counts the calling thread, unless the interpreter is about to end: a daemon thread that then waits for the
+class RunningCall;
+std::set<RunningCall*> runningCalls;
+bool ending = false; // the interpreter is about to end
+
+/* Registers the calling thread, unless the interpreter is about to end: a daemon thread that then waits for the
  * interpreter's lock is unwound through destructors, which ends the process by std::terminate. */
 class RunningCall {
 public:
   RunningCall() {
     if (ending) throw Canceled();
-    numRunning++;
+    runningCalls.insert(this);
   }
-  ~RunningCall() { numRunning--; }
+  virtual ~RunningCall() { runningCalls.erase(this); }
   RunningCall(const RunningCall&) = delete;
   RunningCall& operator=(const RunningCall&) = delete;
+
+  virtual void cancel() = 0;
 };
 
-void throwIfSignalled() {
-  if (PyErr_CheckSignals()) throw py::error_already_set();
-}
-
-std::unique_lock<std::timed_mutex> lockCalls() {
-  if (currentThread == std::this_thread::get_id())
-    throw std::runtime_error("progress cannot build or trace, because its own build or trace is running");
-  std::unique_lock<std::timed_mutex> lock(callMutex, std::defer_lock);
-  for (;;) {
-    {
-      const py::gil_scoped_release released;
-      if (lock.try_lock_for(pollInterval)) break;
-    }
-    if (ending) throw Canceled();
-    throwIfSignalled();
-  }
-  currentThread = std::this_thread::get_id();
-  return lock;
-}
+/* --- a thread for the work of a call -------------------------------------------------------------------- */
 
 class Task {
 public:
-  Task() {
-    setPhaseListener([this](const std::string& name, double fraction) { addEvent(name, fraction); });
-  }
+  explicit Task(RunningCall& call) : call(call) {}
 
   /* Separate from the constructor: the destructor must also run if the system refuses the thread. */
   void start(const std::function<void()>& work) {
@@ -80,13 +64,17 @@ public:
 
   /* Cancels unfinished work. Requires the interpreter's lock. */
   ~Task() {
-    if (worker.joinable()) {
-      requestCancel();
-      join();
-    }
-    clearCancel();
-    setPhaseListener(nullptr);
-    currentThread = std::thread::id();
+    if (!worker.joinable()) return;
+    call.cancel();
+    join();
+  }
+
+  void addEvent(const std::string& name, double fraction) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (name == last.name && fraction == last.fraction) return; // a phase may end at its last percentage
+    last = {name, fraction};
+    events.push_back(last);
+    changed.notify_one();
   }
 
   void wait(const py::object& progress) {
@@ -113,19 +101,12 @@ private:
     double fraction = 0;
   };
 
-  void addEvent(const std::string& name, double fraction) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (name == last.name && fraction == last.fraction) return; // a phase may end at its last percentage
-    last = {name, fraction};
-    events.push_back(last);
-    changed.notify_one();
-  }
-
   void join() {
     const py::gil_scoped_release released;
     worker.join();
   }
 
+  RunningCall& call;
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<Event> events; // not yet passed to `progress`
@@ -135,24 +116,80 @@ private:
   std::thread worker;
 };
 
+/* --- builds ------------------------------------------------------------------------------------------------ */
+
+std::timed_mutex buildMutex;
+std::thread::id buildingThread; // the Python thread; used only under the interpreter's lock
+
+class BuildCall : public RunningCall {
+public:
+  BuildCall() : lock(lockBuilds()) { buildingThread = std::this_thread::get_id(); }
+
+  ~BuildCall() override {
+    clearCancel();
+    setPhaseListener(nullptr);
+    buildingThread = std::thread::id();
+  }
+
+  void cancel() override { requestCancel(); }
+
+private:
+  static std::unique_lock<std::timed_mutex> lockBuilds() {
+    if (buildingThread == std::this_thread::get_id())
+      throw std::runtime_error("progress cannot build, because its own build is running");
+    std::unique_lock<std::timed_mutex> lock(buildMutex, std::defer_lock);
+    for (;;) {
+      {
+        const py::gil_scoped_release released;
+        if (lock.try_lock_for(pollInterval)) break;
+      }
+      if (ending) throw Canceled();
+      throwIfSignalled();
+    }
+    return lock;
+  }
+
+  const std::unique_lock<std::timed_mutex> lock;
+};
+
+/* --- queries ------------------------------------------------------------------------------------------------ */
+
+class QueryCall : public RunningCall {
+public:
+  void cancel() override { cancellation.request(); }
+
+  Cancellation cancellation;
+};
+
 } // namespace
 
-void runInterruptible(const py::object& progress, const std::function<void()>& work) {
+void runBuild(const py::object& progress, const std::function<void()>& work) {
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
     throw py::type_error("progress: is not callable: expected None or a callable");
-  const RunningCall counted;
-  const std::unique_lock<std::timed_mutex> lock = lockCalls();
-  Task task;
+  BuildCall call;
+  Task task(call);
+  setPhaseListener([&](const std::string& name, double fraction) { task.addEvent(name, fraction); });
   task.start(work);
   task.wait(progress);
+}
+
+void runQuery(const std::function<void()>& work) {
+  QueryCall call;
+  Task task(call);
+  const std::function<void()> cancelable = [&] {
+    const CancellationScope scope(&call.cancellation);
+    work();
+  };
+  task.start(cancelable);
+  task.wait(py::none());
 }
 
 bool interpreterEnds() { return ending; }
 
 void cancelAllAtExit() {
   ending = true;
-  while (numRunning > 0) {
-    requestCancel(); // a task that ends clears the request
+  while (!runningCalls.empty()) {
+    for (RunningCall* call : runningCalls) call->cancel();
     const py::gil_scoped_release released;
     std::this_thread::sleep_for(pollInterval);
   }

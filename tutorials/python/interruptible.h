@@ -3,13 +3,15 @@
 
 #pragma once
 
-/* Runs long work without the interpreter's lock, with progress and Ctrl-C.
+/* Runs long work without the interpreter's lock, so that other Python threads run meanwhile and Ctrl-C stops it.
  *
- * The work has its own thread, which never uses Python. The calling thread waits, from time to time checks for signals
- * under the interpreter's lock, and calls `progress`. An exception (KeyboardInterrupt, or one of `progress`) cancels
- * the work and is raised once it has stopped.
+ * The work has its own thread, which never uses Python. The calling thread waits, and from time to time checks for
+ * signals under the interpreter's lock. An exception (KeyboardInterrupt, or one of `progress`) cancels the work and is
+ * raised once it has stopped.
  *
- * common/ has only one flag for cancellation, so concurrent calls run one after the other. */
+ * Builds use requestCancel and one listener for phases, both of the whole process, because Embree's threads work for
+ * them: concurrent builds run one after the other. Each query has a Cancellation of its own: queries run concurrently,
+ * also with a build. Queries must not use Phase, and must not use threads of Embree. */
 
 #include <pybind11/pybind11.h>
 
@@ -21,13 +23,22 @@ namespace programs::python {
 
 namespace py = pybind11;
 
-/* `progress` is None, or receives the name of a phase and the fraction done, 0 to 1. Throws what `work` throws. */
-void runInterruptible(const py::object& progress, const std::function<void()>& work);
+/* Throw what `work` throws. `progress` is None, or receives the name of a phase and the fraction done, 0 to 1. */
+void runBuild(const py::object& progress, const std::function<void()>& work);
+void runQuery(const std::function<void()>& work);
+
+/* The same for work that returns a result. */
+template<typename Work>
+auto interruptibleBuild(const py::object& progress, const Work& work) {
+  std::optional<decltype(work())> result;
+  runBuild(progress, [&] { result.emplace(work()); });
+  return std::move(*result);
+}
 
 template<typename Work>
-auto interruptible(const py::object& progress, const Work& work) {
+auto interruptibleQuery(const Work& work) {
   std::optional<decltype(work())> result;
-  runInterruptible(progress, [&] { result.emplace(work()); });
+  runQuery([&] { result.emplace(work()); });
   return std::move(*result);
 }
 

@@ -6,6 +6,7 @@
 #include "json_objects.h"
 #include "scene.h"
 
+#include "basics/error.h"
 #include "basics/parallel.h"
 #include "building/saved_scene.h"
 #include "programs/compression_json.h"
@@ -27,6 +28,12 @@ public:
       saved(std::move(opened)) {}
 
   const TracedScene& traced() const override { return *saved; }
+
+  void requireSearchable(const char* operation) const override {
+    for (const CbvhFileSurfaceInfo& geometry : saved->geometries())
+      if (geometry.representation != CBVH_REPRESENTATION_CVERT)
+        throw Error(std::string(operation) + ": " + path + " stores no triangles that can be searched: expected cVERT");
+  }
 
   Camera camera(const std::string& view, ImageSize size) const override {
     return chooseCamera(view, boxModel(path, saved->bounds()), *saved, size, threadCount(0));
@@ -56,7 +63,7 @@ public:
 
 std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads) {
   const unsigned n = threadsOf(threads);
-  return interruptible(py::none(), [&] {
+  return interruptibleBuild(py::none(), [&] {
     return std::make_shared<LoadedScene>(path.string(), std::make_unique<SavedScene>(path.string(), n));
   });
 }

@@ -164,7 +164,7 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
   validateScale(amplitude, amplitude ? std::nullopt : std::optional(map.scale), midLevel, cage);
   const Heights heights = readHeights(height);
   std::string warnings;
-  model->displacement = interruptible(py::none(), [&] { return displace(cage, heights, map, warnings); });
+  model->displacement = interruptibleBuild(py::none(), [&] { return displace(cage, heights, map, warnings); });
   warn(warnings);
   return model;
 }
@@ -185,7 +185,7 @@ std::shared_ptr<Model> makeScene(const std::string& name, std::optional<float> a
   settings.threads = threads;
   validateScene(settings);
   std::string warning;
-  auto model = interruptible(progress, [&] { return std::make_shared<Model>(loadScene(settings, warning)); });
+  auto model = interruptibleBuild(progress, [&] { return std::make_shared<Model>(loadScene(settings, warning)); });
   warn(warning);
   return model;
 }
@@ -226,7 +226,7 @@ Mesh meshOf(const Model& model, int level, int threads) {
 }
 
 py::tuple tessellateModel(const Model& model, int level, int threads, const py::object& progress) {
-  const auto mesh = std::make_unique<Mesh>(interruptible(progress, [&] { return meshOf(model, level, threads); }));
+  const auto mesh = std::make_unique<Mesh>(interruptibleBuild(progress, [&] { return meshOf(model, level, threads); }));
   const float* const data = mesh->vertices.empty() ? nullptr : &mesh->vertices[0].x;
   Floats vertices(Shape{py::ssize_t(mesh->vertices.size()), 3}, data);
   py::array_t<unsigned> quads(Shape{py::ssize_t(mesh->quads.size() / 4), 4}, mesh->quads.data());

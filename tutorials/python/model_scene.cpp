@@ -131,7 +131,8 @@ std::shared_ptr<ModelScene> build(const std::shared_ptr<Model>& model, const std
   settings.device = device;
   validateBuild(settings);
   requireMemory(*model, representation, level);
-  auto scene = interruptible(progress, [&] { return std::make_shared<ModelScene>(model, representation, settings); });
+  auto scene =
+      interruptibleBuild(progress, [&] { return std::make_shared<ModelScene>(model, representation, settings); });
   warn(seamWarnings(*model, scene->built.report().seams));
   return scene;
 }
@@ -166,7 +167,7 @@ py::object trueErrorsOf(const ModelScene& scene, const Hits& hits, const py::obj
   const unsigned n = threadsOf(threads);
   const Rays rays = readRays(origins, directions);
   requireRays(hits, "hits", rays.rays.size(), "origins and directions");
-  return objectOf(errorsJson(interruptible(progress, [&] {
+  return objectOf(errorsJson(interruptibleBuild(progress, [&] {
     const TrueSurfaces surfaces(*scene.model);
     const TrueView view{*scene.model, surfaces, rays.rays, sampleHits(hits.hits, count, seed), footprint};
     return compareToTrueSurface(view, hits.hits, scene.built.layout(), n);
@@ -208,9 +209,9 @@ device: device that traces: "cpu", "vulkan", or "ray-query" (ray queries of a Vu
   last two to choose a device by its index or a part of its name.
 progress: called with the name of a phase and the fraction done, 0 to 1. An exception that it raises stops the build.
 
-Ctrl-C (KeyboardInterrupt) stops the build. Other Python threads keep running; if they call this module to build or to
-trace, they wait until it is their turn. Raises ValueError or TypeError for invalid arguments, MemoryError if there is
-not enough memory, and Error for other reasons, with Embree's message.)";
+Ctrl-C (KeyboardInterrupt) stops the build. Other Python threads keep running, and may trace. Builds of several threads
+run one after the other. Raises ValueError or TypeError for invalid arguments, MemoryError if there is not enough
+memory, and Error for other reasons, with Embree's message.)";
 }
 
 constexpr const char* errorsText =

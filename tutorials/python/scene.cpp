@@ -52,9 +52,9 @@ Hits intersect(const Scene& scene, const py::object& origins, const py::object& 
                const py::object& tfar, const py::object& time, int threads) {
   const unsigned n = threadsOf(threads);
   Rays rays = readRays(origins, directions, tnear, tfar, time);
-  return interruptible(py::none(), [&] {
+  return interruptibleQuery([&] {
     std::vector<SurfaceHit> hits = traceClosest(scene.traced(), rays.rays, n);
-    scene.traced().check();
+    scene.checkRays();
     return Hits{std::move(rays.shape), std::move(hits), scene.faces()};
   });
 }
@@ -64,12 +64,12 @@ py::array_t<bool> occluded(const Scene& scene, const py::object& origins, const 
   constexpr size_t chunk = 4096;
   const unsigned n = threadsOf(threads);
   const Rays rays = readRays(origins, directions, tnear, tfar, time);
-  const std::vector<char> hit = interruptible(py::none(), [&] {
+  const std::vector<char> hit = interruptibleQuery([&] {
     std::vector<char> hits(rays.rays.size());
     parallelFor(hits.size(), chunk, n, [&](size_t begin, size_t end) {
       traceAny(scene.traced(), end - begin, &rays.rays[begin], &hits[begin]);
     });
-    scene.traced().check();
+    scene.checkRays();
     return hits;
   });
   return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
@@ -85,25 +85,24 @@ double traceSeconds(const Scene& scene, const py::object& origins, const py::obj
   settings.passes = passes;
   if (passes < 1) throwValueError("passes", "is 0: expected 1 or more");
   const Rays rays = readRays(origins, directions);
-  return interruptible(py::none(), [&] {
+  return interruptibleQuery([&] {
     const double seconds = timeTrace(scene.traced(), rays.rays, settings).seconds;
-    scene.traced().check();
+    scene.checkRays();
     return seconds;
   });
 }
 
 py::tuple closestPointsOf(const Scene& scene, const py::object& points, const py::object& radius,
                           const py::object& time, int threads) {
-  scene.requireSearchable("finding closest points");
-  return closestPoints(scene.traced(), scene.faces(), points, radius, time, threadsOf(threads));
+  return closestPoints(scene, points, radius, time, threadsOf(threads));
 }
 
 Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size) {
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
-  return interruptible(py::none(), [&] {
+  return interruptibleQuery([&] {
     const Camera camera = scene.camera(view, image);
-    scene.traced().check();
+    scene.checkRays();
     return camera;
   });
 }
@@ -118,11 +117,10 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
   shape.insert(shape.end(), {3, 3});
   py::array_t<float> array(shape);
   Vec3f* const out = reinterpret_cast<Vec3f*>(array.mutable_data());
-  interruptible(py::none(), [&] {
+  runQuery([&] {
     for (size_t i = 0; i < hits.hits.size(); i++)
       if (!storedTriangle(scene.traced(), *scene.faces(), hits.hits[i], time, out + 3 * i))
         std::fill_n(out + 3 * i, 3, Vec3f{NAN, NAN, NAN});
-    return 0;
   });
   return array;
 }
@@ -130,7 +128,7 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 py::dict storedMeshOf(const Scene& scene, float time) {
   scene.requireTriangles("reading the surface");
   requireTime(time);
-  const StoredMesh mesh = interruptible(py::none(), [&] { return storedMesh(scene.traced(), *scene.faces(), time); });
+  const StoredMesh mesh = interruptibleQuery([&] { return storedMesh(scene.traced(), *scene.faces(), time); });
   py::dict result;
   const py::ssize_t quads = py::ssize_t(mesh.quads.size());
   const auto coordinate = [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; };
@@ -143,10 +141,7 @@ py::dict storedMeshOf(const Scene& scene, float time) {
 }
 
 void save(const Scene& scene, const std::filesystem::path& path) {
-  interruptible(py::none(), [&] {
-    scene.save(path.string());
-    return 0;
-  });
+  runBuild(py::none(), [&] { scene.save(path.string()); });
 }
 
 /* --- docstrings ---------------------------------------------------------------- */
@@ -165,8 +160,8 @@ time: (...), 0 to 1, for geometries that move: 0 is the first time step of a mod
 threads: 0 for all.
 
 Arguments are converted to float32 and broadcast by NumPy's rules: one origin and a picture of directions return a
-picture of hits. Ctrl-C stops the call. Calls by several Python threads run one after the other; other Python code runs
-meanwhile. Hits do not depend on the number of threads.
+picture of hits. Ctrl-C stops the call. Several Python threads may trace at the same time, in the same scene or in
+several. Hits do not depend on the number of threads.
 
 Raises ValueError or TypeError for invalid arguments, and Error if a block of a loaded file is damaged.)";
 

@@ -6,6 +6,7 @@
 /* A scene of Python. Its kinds are geometries that are built together, a model in one representation, and a file. */
 
 #include "arrays.h"
+#include "ray_errors.h"
 
 #include "building/face_numbers.h"
 #include "building/traced_scene.h"
@@ -26,6 +27,9 @@ public:
   virtual void requireTriangles(const char* /* operation */) const {}
   virtual void requireSearchable(const char* operation) const { requireTriangles(operation); }
 
+  /* Throws as RayErrors::check. */
+  void checkRays() const { errors.check(traced()); }
+
   /* These two need no Python. Throw Error. */
   virtual Camera camera(const std::string& view, ImageSize size) const = 0;
   virtual void save(const std::string& path) const = 0;
@@ -41,6 +45,7 @@ protected:
 
 private:
   std::shared_ptr<const FaceNumbers> numbers;
+  RayErrors errors;
 };
 
 /* Raises ValueError for negative numbers; 0 is all threads. */

@@ -124,11 +124,10 @@ void writeGeoreference(const Georeference& s, const fs::path& path) {
 }
 
 void save(const Terrain& terrain, const fs::path& path) {
-  interruptible(py::none(), [&] {
+  runBuild(py::none(), [&] {
     if (const auto* built = dynamic_cast<const BuiltGeometries*>(terrain.scene.get())) built->save(path.string());
     else dynamic_cast<const SavedScene&>(*terrain.scene).save(path.string());
     writeGeoreference(terrain.space, path);
-    return 0;
   });
 }
 
@@ -148,7 +147,7 @@ Georeference readGeoreference(const fs::path& path) {
 
 std::shared_ptr<Terrain> load(const fs::path& path, int threads) {
   const unsigned n = threadsOf(threads);
-  return interruptible(py::none(), [&] {
+  return interruptibleBuild(py::none(), [&] {
     const Georeference space = readGeoreference(georeferencePath(path));
     std::unique_ptr<const SavedScene> scene = std::make_unique<SavedScene>(path.string(), n);
     const double seconds = scene->seconds();
@@ -236,20 +235,21 @@ std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell,
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
     throw py::type_error("progress: is not callable: expected None or a callable");
 
-  const std::unique_ptr<TerrainBuilder> builder = interruptible(py::none(), [&]() -> std::unique_ptr<TerrainBuilder> {
-    if (path) return std::make_unique<FileBuilder>(space, *path, n);
-    return std::make_unique<MemoryBuilder>(kind, n);
-  });
+  const std::unique_ptr<TerrainBuilder> builder =
+      interruptibleBuild(py::none(), [&]() -> std::unique_ptr<TerrainBuilder> {
+        if (path) return std::make_unique<FileBuilder>(space, *path, n);
+        return std::make_unique<MemoryBuilder>(kind, n);
+      });
   const size_t down = (rows - 2) / tileQuads + 1, across = (columns - 2) / tileQuads + 1;
   double seconds = 0;
   for (size_t i = 0; i < down * across; i++) {
     if (!progress.is_none()) progress("terrain", double(i) / double(down * across));
     TerrainTile tile(space, i / across * tileQuads, i % across * tileQuads);
     tile.read(heights, nodata);
-    seconds += interruptible(py::none(), [&] { return secondsOf([&] { builder->add(tile); }); });
+    seconds += interruptibleBuild(py::none(), [&] { return secondsOf([&] { builder->add(tile); }); });
   }
   std::unique_ptr<const TracedScene> scene;
-  seconds += interruptible(py::none(), [&] { return secondsOf([&] { scene = builder->finish(); }); });
+  seconds += interruptibleBuild(py::none(), [&] { return secondsOf([&] { scene = builder->finish(); }); });
   if (!progress.is_none()) progress("terrain", 1.0);
   if (!(scene->bounds().lower.x <= scene->bounds().upper.x))
     throwValueError("heights", "has no triangle of three samples: expected heights that are not all missing");
@@ -278,14 +278,14 @@ TerrainHits intersect(const Terrain& terrain, const py::object& origins, const p
                       const py::object& tnear, const py::object& tfar, int threads) {
   const unsigned n = threadsOf(threads);
   const RayArrays<double> rays = readTerrainRays(origins, directions, tnear, tfar);
-  return interruptible(py::none(), [&] { return terrain.intersect(rays, n); });
+  return interruptibleQuery([&] { return terrain.intersect(rays, n); });
 }
 
 py::array_t<bool> occluded(const Terrain& terrain, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, int threads) {
   const unsigned n = threadsOf(threads);
   const RayArrays<double> rays = readTerrainRays(origins, directions, tnear, tfar);
-  const std::vector<char> hit = interruptible(py::none(), [&] { return terrain.occluded(rays, n); });
+  const std::vector<char> hit = interruptibleQuery([&] { return terrain.occluded(rays, n); });
   return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
 }
 
@@ -347,8 +347,8 @@ tnear, tfar: (...), range of distances in which hits are found.
 threads: 0 for all.
 
 Arguments are broadcast by NumPy's rules. Rays are moved to the terrain in 64 bits, and traced in 32 bits: this adds
-errors of about 1e-7 of the extent of the raster. Ctrl-C stops the call. Calls by several Python threads run one after
-the other; other Python code runs meanwhile. Hits do not depend on the number of threads.
+errors of about 1e-7 of the extent of the raster. Ctrl-C stops the call. Several Python threads may trace at the same
+time. Hits do not depend on the number of threads.
 
 A ray that starts less than max_error / 2 above a sample may start below the stored surface.
 

@@ -7,6 +7,7 @@
 
 #include "georeference.h"
 #include "hits.h"
+#include "ray_errors.h"
 #include "terrain_hits.h"
 
 #include "building/traced_scene.h"
@@ -35,6 +36,9 @@ public:
   const Georeference space;
   const std::unique_ptr<const TracedScene> scene;
   const double seconds; // for building or opening it
+
+private:
+  RayErrors errors;
 };
 
 /* Adds methods of horizons to the class Terrain. */

@@ -46,8 +46,7 @@ py::array_t<float> horizon(const Terrain& terrain, const py::object& points, con
   const std::vector<double> directions(degrees.data(), degrees.data() + degrees.size());
   for (const double azimuth : directions)
     if (!std::isfinite(azimuth)) throwValueError("azimuths", "is not finite: expected finite numbers");
-  const std::vector<float> found =
-      interruptible(py::none(), [&] { return terrain.horizons(from, directions, accuracy, n); });
+  const std::vector<float> found = interruptibleQuery([&] { return terrain.horizons(from, directions, accuracy, n); });
   shape.push_back(degrees.size());
   return arrayOf<float>(shape, [&](size_t i) { return found[i]; });
 }
@@ -63,8 +62,7 @@ py::array_t<float> skyViewFactor(const Terrain& terrain, const py::object& point
   /* + 0.5, because rays along an axis would lie in the plane of a tile's border, as in cbvh_terrain. */
   std::vector<double> directions;
   for (int i = 0; i < azimuths; i++) directions.push_back(360 * (i + 0.5) / azimuths);
-  const std::vector<float> found =
-      interruptible(py::none(), [&] { return terrain.horizons(from, directions, accuracy, n); });
+  const std::vector<float> found = interruptibleQuery([&] { return terrain.horizons(from, directions, accuracy, n); });
   return arrayOf<float>(shape, [&](size_t i) {
     double sum = 0;
     for (size_t j = 0; j < directions.size(); j++) {
@@ -93,7 +91,7 @@ py::array_t<bool> viewshed(const Terrain& terrain, const py::object& observer, c
     tfar.mutable_data()[i] = isHere ? -1 : 1;
   }
   const RayArrays<double> rays{shape, origins, directions, tnear, tfar, tnear};
-  const std::vector<char> hit = interruptible(py::none(), [&] { return terrain.occluded(rays, n); });
+  const std::vector<char> hit = interruptibleQuery([&] { return terrain.occluded(rays, n); });
   return arrayOf<bool>(shape, [&](size_t i) { return hit[i] == 0; });
 }
 

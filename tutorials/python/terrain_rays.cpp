@@ -45,7 +45,7 @@ TerrainHits Terrain::intersect(const RayArrays<double>& rays, unsigned threads) 
       out.normal = space.normal(hit.normal);
     }
   });
-  scene->check();
+  errors.check(*scene);
   return result;
 }
 
@@ -57,7 +57,7 @@ std::vector<char> Terrain::occluded(const RayArrays<double>& rays, unsigned thre
     for (size_t i = begin; i < end; i++) batch[i - begin] = rayOf(space, rays, i, box).ray;
     traceAny(*scene, batch.size(), batch.data(), &result[begin]);
   });
-  scene->check();
+  errors.check(*scene);
   return result;
 }
 
@@ -89,7 +89,7 @@ std::vector<float> Terrain::horizons(const std::vector<Vec3d>& points, const std
       for (size_t j = 0; j < n; j++) result[i * n + j] = float(0.5 * (low[j] + high[j]));
     }
   });
-  scene->check();
+  errors.check(*scene);
   return result;
 }
 
