@@ -16,9 +16,9 @@ inline std::string lowerCase(std::string text) {
 }
 
 /* Up to 6 significant digits, as %g prints. */
-inline std::string shortNumber(float value) {
+inline std::string shortNumber(double value) {
   char text[32];
-  std::snprintf(text, sizeof(text), "%g", double(value));
+  std::snprintf(text, sizeof(text), "%g", value);
   return text;
 }
 

@@ -100,10 +100,11 @@ inline void rejectModelOptions(const CLI::App& app, const std::string& path) {
 }
 
 inline void addMeshOption(CLI::App& app, SceneSettings& settings) {
-  app.add_option("--mesh", settings.meshPath,
-                 "instead of a scene: OBJ of quads and triangles that are traced without subdivision, as sculpting "
-                 "programs and\n--export of cbvh_render write it; grid means Embree's own quads or triangles, cvert "
-                 "compresses them")
+  app.add_option(
+         "--mesh", settings.meshPath,
+         "instead of a scene: mesh (OBJ, PLY, STL, glTF or GLB) that is traced without subdivision, as sculpting "
+         "programs and\n--export of cbvh_render write it; grid means Embree's own quads or triangles, cvert "
+         "compresses them; faces of more than 4 corners become triangles")
       ->type_name("FILE");
 }
 

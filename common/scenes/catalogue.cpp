@@ -7,6 +7,8 @@
 #include "basics/input_files.h"
 #include "basics/setting_name.h"
 #include "basics/text.h"
+#include "meshes/mesh_file.h"
+#include "meshes/polygon_triangles.h"
 #include "scenes/cube.h"
 #include "scenes/frog.h"
 #include "scenes/herd.h"
@@ -92,14 +94,40 @@ Model loadCage(const SceneSettings& settings, std::string& warnings) {
   return model;
 }
 
+/* Faces of 4 vertices; triangles repeat the last one. The mesh loses its faces and positions. */
+Cage cageOf(PolygonMesh& mesh, const std::string& path, std::string& warnings) {
+  Cage cage;
+  cage.name = path;
+  cage.comments = mesh.comments;
+  cage.positions = roundedPositions(mesh, path, warnings);
+  MeshPrimitives primitives = splitPolygons(mesh);
+  mesh.positions = {};
+  cage.faceSizes.assign(primitives.size(), 4);
+  if (primitives.corners == 4) cage.faceIndices = std::move(primitives.indices);
+  else {
+    cage.faceIndices.reserve(4 * primitives.size());
+    for (size_t i = 0; i < primitives.indices.size(); i += 3) {
+      const unsigned* const v = &primitives.indices[i];
+      cage.faceIndices.insert(cage.faceIndices.end(), {v[0], v[1], v[2], v[2]});
+    }
+  }
+  return cage;
+}
+
 Model loadMesh(const SceneSettings& settings, std::string& warnings) {
   Model model;
   model.isMesh = true;
-  model.cage = readInput(settings.meshPath, warnings);
-  model.name = std::filesystem::path(settings.meshPath).stem().string();
-  makeQuads(model.cage, settings.meshPath);
+  const std::string& path = settings.meshPath;
+  PolygonMesh mesh = readMesh(path, warnings);
+  model.cage = cageOf(mesh, path, warnings);
+  model.name = std::filesystem::path(path).stem().string();
   model.spacing = latticeSpacing(model.cage.positions);
-  chooseUp(model, settings, settings.meshPath, warnings);
+  if (mesh.up.empty()) chooseUp(model, settings, path, warnings);
+  else {
+    const bool isChosen = !settings.up.empty() && settings.up != "auto";
+    model.up = isChosen ? settings.up : mesh.up;
+    model.view = rotatedFromY(model.view, model.up);
+  }
   return model;
 }
 

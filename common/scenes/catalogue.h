@@ -14,7 +14,7 @@ namespace programs {
 struct SceneSettings {
   std::string scene;      // one of sceneNames(); empty for a cage or a mesh
   std::string cagePath;   // OBJ
-  std::string meshPath;   // OBJ, traced without subdivision
+  std::string meshPath;   // traced without subdivision
   std::string savedPath;  // compressed surfaces without a model, for programs that open them
   std::string up;         // one of upAxes(); empty or "auto": guessed
   std::string heightPath; // empty: not displaced

@@ -6,7 +6,6 @@
 #include "basics/file_output.h"
 #include "basics/hash.h"
 #include "basics/progress.h"
-#include "basics/setting_name.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -24,29 +23,6 @@ struct CloseFile {
 };
 
 } // namespace
-
-void makeQuads(Cage& cage, const std::string& path) {
-  std::vector<bool> isHole(cage.numFaces());
-  for (unsigned face : cage.holes) isHole[face] = true;
-  std::vector<unsigned> indices;
-  indices.reserve(4 * cage.numFaces());
-  size_t first = 0;
-  for (size_t face = 0; face < cage.numFaces(); face++) {
-    const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
-    if (size > 4)
-      throw Error(path + ": face " + std::to_string(face + 1) + " has " + std::to_string(size) +
-                  " vertices: expected a mesh of quads and triangles; " + settingName("cage") +
-                  " reads the file as a subdivision surface");
-    if (!isHole[face]) indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
-    first += size;
-  }
-  if (indices.empty()) throw Error(path + ": all faces are holes: expected at least one other face");
-  cage.faceIndices = std::move(indices);
-  cage.faceSizes.assign(cage.faceIndices.size() / 4, 4);
-  cage.uvs.clear();
-  cage.uvIndices.clear();
-  cage.holes.clear();
-}
 
 float latticeSpacing(const std::vector<Vec3f>& positions) {
   int lowest = 1000, highest = -1000; // exponents of the common divisor and the largest coordinate
@@ -67,6 +43,7 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
   PendingFile pending(path);
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(pending.temporary().c_str(), "w"));
   if (!file) throw Error(path + ": " + std::strerror(errno));
+  std::fprintf(file.get(), "# %s\n", objSplitComment);
   std::unordered_map<std::array<uint32_t, 3>, unsigned, ArrayHash> known;
   std::vector<unsigned> number(vertices.size()); // from 1; 0 for vertices that are not finite
   for (size_t i = 0; i < vertices.size(); i++) {

@@ -11,11 +11,7 @@
 
 namespace programs {
 
-/* Gives each face 4 vertices; triangles repeat the last one. Removes holes. Throws Error for larger faces, and if no
- * face remains. */
-void makeQuads(Cage& cage, const std::string& path);
-
-/* Requires a mesh of makeQuads. */
+/* Requires faces of 4 vertices; triangles repeat the last one. */
 inline bool isTriangle(const Cage& mesh, size_t face) {
   const unsigned* const v = &mesh.faceIndices[4 * face];
   return v[2] == v[3];
@@ -24,6 +20,9 @@ inline bool isTriangle(const Cage& mesh, size_t face) {
 /* Spacing, a power of two, of the coarsest lattice that contains all positions, as after cVERT; 0 if it is as fine
  * as the floats. */
 float latticeSpacing(const std::vector<Vec3f>& positions);
+
+/* A comment of files by writeObj: readers must not choose another diagonal. */
+constexpr const char* objSplitComment = "quads are split between corners 2 and 4";
 
 /* Writes OBJ. Merges vertices with equal coordinates; omits quads with a vertex that is not finite. Throws Error. */
 void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,

@@ -10,7 +10,7 @@
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
-#include "basics/pipe_input.h"
+#include "basics/open_input.h"
 #include "basics/progress.h"
 
 #include <algorithm>
@@ -18,12 +18,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <set>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 
 namespace programs {
@@ -31,10 +28,11 @@ namespace {
 
 class Parser {
 public:
-  Parser(std::istream& stream, const std::string& name, std::string& warnings)
+  Parser(std::istream& stream, const std::string& name, std::string& warnings, std::vector<Vec3d>* exactPositions)
     : stream(stream),
       name(name),
-      warnings(warnings) {}
+      warnings(warnings),
+      exactPositions(exactPositions) {}
 
   Cage run() {
     cage.name = name;
@@ -156,6 +154,8 @@ private:
     if (kind == "v") {
       if (words.size() < 4) fail("a vertex needs three coordinates, this one has " + std::to_string(words.size() - 1));
       cage.positions.push_back({coordinate(words[1]), coordinate(words[2]), coordinate(words[3])});
+      if (exactPositions)
+        exactPositions->push_back({number<double>(words[1]), number<double>(words[2]), number<double>(words[3])});
     } else if (kind == "vt") {
       if (words.size() < 2) fail("expected one or two numbers after 'vt', found none");
       const float v = words.size() < 3 ? 0.0f : coordinate(words[2]);
@@ -318,6 +318,7 @@ private:
   std::istream& stream;
   std::string name;
   std::string& warnings;
+  std::vector<Vec3d>* exactPositions; // or null
   Cage cage;
   size_t lineNumber = 0;
   bool atHead = true;
@@ -325,25 +326,12 @@ private:
 
 } // namespace
 
-Cage readObj(std::istream& stream, const std::string& name, std::string& warnings) {
-  return Parser(stream, name, warnings).run();
+Cage readObj(std::istream& stream, const std::string& name, std::string& warnings, std::vector<Vec3d>* exactPositions) {
+  return Parser(stream, name, warnings, exactPositions).run();
 }
 
-Cage readObj(const std::string& path, std::string& warnings) {
-  if (isPipe(path)) {
-    PipeInput pipe(path);
-    std::istream stream(&pipe);
-    return readObj(stream, path, warnings);
-  }
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) // may have no end
-    throw Error(path + ": this is a device: expected a file or a pipe");
-  std::ifstream stream(path);
-  if (!stream) throw Error(path + ": cannot be opened: expected a readable file");
-  stream.peek(); // opening a directory succeeds, reading it fails
-  if (stream.bad()) throw Error(path + ": cannot be read: expected a file, not a folder");
-  return readObj(stream, path, warnings);
+Cage readObj(const std::string& path, std::string& warnings, std::vector<Vec3d>* exactPositions) {
+  return readObj(*openInput(path), path, warnings, exactPositions);
 }
 
 } // namespace programs

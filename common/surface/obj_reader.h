@@ -12,15 +12,18 @@
 
 #include <istream>
 #include <string>
+#include <vector>
 
 namespace programs {
 
 /* Reads a file, or a pipe that a program opens for writing within 10 seconds. Appends a line to `warnings` for the
  * tag smoothtriangles with a rule that Embree does not support. Throws Error with path and line number, also for a file
- * without faces and for texture coordinates at only some corners of a face. */
-Cage readObj(const std::string& path, std::string& warnings);
+ * without faces and for texture coordinates at only some corners of a face. Appends the positions as the file has
+ * them, before they are rounded to 32 bits, to `exactPositions`. */
+Cage readObj(const std::string& path, std::string& warnings, std::vector<Vec3d>* exactPositions = nullptr);
 
 /* Messages use `name` as the path. */
-Cage readObj(std::istream& stream, const std::string& name, std::string& warnings);
+Cage readObj(std::istream& stream, const std::string& name, std::string& warnings,
+             std::vector<Vec3d>* exactPositions = nullptr);
 
 } // namespace programs
