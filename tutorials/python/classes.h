@@ -13,6 +13,7 @@ void defineCage(py::module_& module);
 void defineModel(py::module_& module);       // after Cage
 void defineCamera(py::module_& module);      // after Hits
 void defineGeometries(py::module_& module);  // after Model
+void defineMeshFiles(py::module_& module);   // after the geometries
 void defineScene(py::module_& module);       // after Camera, Hits and the geometries
 void defineModelScene(py::module_& module);  // after Scene
 void defineLoadedScene(py::module_& module); // after Scene

@@ -64,6 +64,7 @@ PYBIND11_MODULE(embree_cbvh, module) {
   defineModel(module);
   defineCamera(module);
   defineGeometries(module);
+  defineMeshFiles(module);
   defineScene(module);
   defineModelScene(module);
   defineLoadedScene(module);
