@@ -116,7 +116,8 @@ TEST(GltfReader, StripsAndFansHaveTheOrientationOfTriangles) {
 TEST(GltfReader, MatricesOfNodesAndMirroredOnes) {
   const PolygonMesh mesh = gltfMesh(squareWith(
       R"("nodes":[{"children":[1,2],"translation":[10,0,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476]},)"
-      R"({"mesh":0,"scale":[2,3,4]},{"mesh":0,"matrix":[-1,0,0,0,0,1,0,0,0,0,1,0,0,0,5,1]}],"scenes":[{"nodes":[0]}])"));
+      R"({"mesh":0,"scale":[2,3,4]},{"mesh":0,"matrix":[-1,0,0,0,0,1,0,0,0,0,1,0,0,0,5,1]}],)"
+      R"("scenes":[{"nodes":[0]}])"));
   ASSERT_EQ(mesh.positions.size(), 8u);
   expectPosition(mesh, 1, 10, 2, 0);
   expectPosition(mesh, 3, 7, 0, 0);
