@@ -39,7 +39,7 @@ struct MeshArrays {
 };
 
 MeshArrays readArrays(const std::filesystem::path& path, bool round) {
-  MeshArrays arrays = interruptible(py::none(), [&] {
+  MeshArrays arrays = interruptibleQuery([&] {
     MeshArrays read;
     read.mesh = readMesh(path.string(), read.warnings);
     if (round) {
