@@ -62,10 +62,10 @@ double numberOf(uint64_t type, bool isNormalized, const uint8_t* bytes) {
 struct GltfAccessors::Array {
   uint64_t componentType = 0, count = 0;
   const uint8_t* data = nullptr; // null: zeros
-  size_t stride = 0;
+  size_t stride = 0, componentBytes = 0;
 
   const uint8_t* at(uint64_t element, size_t component) const {
-    return data + element * stride + component * bytesOf(componentType);
+    return data + element * stride + component * componentBytes;
   }
 };
 
@@ -83,7 +83,7 @@ GltfAccessors::Array GltfAccessors::openPart(const GltfValue& part, uint64_t com
       (offset > view.size || view.size - offset < bytes || (view.size - offset - bytes) / stride < count - 1))
     part.fail("has " + std::to_string(count) + " elements of " + std::to_string(bytes) +
               " bytes: the buffer view has " + std::to_string(view.size) + " bytes");
-  return {componentType, count, view.data + offset, stride};
+  return {componentType, count, view.data + offset, stride, bytesOf(componentType)};
 }
 
 GltfAccessors::Array GltfAccessors::open(const GltfValue& accessor, size_t components) {
@@ -98,7 +98,7 @@ GltfAccessors::Array GltfAccessors::open(const GltfValue& accessor, size_t compo
     accessor.fail("has " + std::to_string(count) +
                   " elements without 'bufferView': expected at most one per byte of "
                   "the file");
-  return {componentType, count, nullptr, 0};
+  return {componentType, count, nullptr, 0, 0};
 }
 
 template<typename Store>

@@ -104,6 +104,7 @@ private:
       primitive.fail("has " + std::to_string(count) + " corners: expected " +
                      (mode == Triangles ? "three per triangle" : "at least 3"));
     const size_t firstCorner = mesh.faceIndices.size();
+    mesh.reserveTriangles(mode == Triangles ? count / 3 : count - 2);
     const auto vertex = [&](size_t i) { return unsigned(vertices.first + (isIndexed ? indices[i] : i)); };
     addTriangles(mode, count, vertex);
     if (joints.empty() && toWorld.isMirrored())

@@ -131,8 +131,8 @@ private:
   }
 
   void readFaces(const PlyElement& element) {
-    const size_t faces = input.capacityFor(element.count, element.leastBytes(header.format));
-    mesh.faceSizes.reserve(mesh.faceSizes.size() + faces);
+    const size_t leastCorners = header.format == PlyFormat::Ascii ? 6 : 3; // bytes
+    mesh.reserveTriangles(input.capacityFor(element.count, element.leastBytes(header.format) + leastCorners));
     readIndexLists(element, [&](int64_t corners, PlyType type) {
       if (corners < 3) values.fail("the face has " + std::to_string(corners) + " vertices: expected at least 3");
       for (int64_t i = 0; i < corners; i++) mesh.faceIndices.push_back(index(type));

@@ -7,6 +7,7 @@
 
 #include "basics/vec.h"
 
+#include <algorithm>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
@@ -25,6 +26,15 @@ struct PolygonMesh {
   bool splitsAreExplicit = false; // quads must be split between their corners 2 and 4, even if they are concave
 
   size_t numFaces() const { return faceSizes.size(); }
+
+  /* For that many more triangles. */
+  void reserveTriangles(size_t count) {
+    const auto grow = [](std::vector<unsigned>& all, size_t more) {
+      if (all.size() + more > all.capacity()) all.reserve(std::max(all.size() + more, 2 * all.capacity()));
+    };
+    grow(faceSizes, count);
+    grow(faceIndices, 3 * count);
+  }
 
   void addTriangle(unsigned a, unsigned b, unsigned c) {
     faceSizes.push_back(3);

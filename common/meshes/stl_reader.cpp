@@ -25,10 +25,7 @@ class StlTriangles {
 public:
   explicit StlTriangles(InputBytes& input) : input(input), table(mesh.positions) {}
 
-  void reserve(size_t triangles) {
-    mesh.faceSizes.reserve(triangles);
-    mesh.faceIndices.reserve(3 * triangles);
-  }
+  void reserve(size_t triangles) { mesh.reserveTriangles(triangles); }
 
   /* Returns the index of a vertex. */
   unsigned addVertex(const Vec3d& position) {

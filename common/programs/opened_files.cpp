@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/pipe_input.h"
 #include "basics/text.h"
+#include "meshes/mesh_file.h"
 
 #include <filesystem>
 
@@ -18,6 +19,10 @@ bool hasExtension(const char* extension, const std::string& path) {
 /* Pipes are cages, because maps cannot be read from pipes. */
 bool isCage(const std::string& path) { return hasExtension(".obj", path) || isPipe(path); }
 bool isSavedScene(const std::string& path) { return hasExtension(".cbvh", path); }
+
+bool isMesh(const std::string& path) {
+  return isMeshExtension(lowerCase(std::filesystem::path(path).extension().string()));
+}
 
 void resetMap(SceneSettings& settings) {
   const SceneSettings fresh;
@@ -34,13 +39,14 @@ void resetMap(SceneSettings& settings) {
 SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current) {
   std::string cage, height;
   for (const std::string& path : paths) {
-    if (isSavedScene(path)) {
+    if (isSavedScene(path) || isMesh(path)) {
       if (paths.size() > 1)
-        throw Error(path + ": a file of compressed surfaces must be opened alone: expected one file");
-      SceneSettings saved;
-      saved.savedPath = path;
-      saved.threads = current.threads;
-      return saved;
+        throw Error(path + ": a file of " + (isMesh(path) ? "a mesh" : "compressed surfaces") +
+                    " must be opened alone: expected one file");
+      SceneSettings alone;
+      (isMesh(path) ? alone.meshPath : alone.savedPath) = path;
+      alone.threads = current.threads;
+      return alone;
     }
     std::string& slot = isCage(path) ? cage : height;
     if (!slot.empty())
@@ -71,9 +77,12 @@ void applyFileArguments(const std::vector<std::string>& files, SceneSettings& sc
   if (!files.empty()) named = openFiles(files, named);
   const bool hasModel =
       !scene.scene.empty() || !scene.cagePath.empty() || !scene.meshPath.empty() || !scene.heightPath.empty();
-  if (!named.savedPath.empty() && hasModel)
-    throw Error(named.savedPath + ": a file of compressed surfaces must be opened alone: expected no model options");
+  const std::string alone = named.savedPath + named.meshPath; // one of them is empty
+  if (!alone.empty() && hasModel)
+    throw Error(alone + ": a file of " + (named.savedPath.empty() ? "a mesh" : "compressed surfaces") +
+                " must be opened alone: expected no model options");
   scene.savedPath = named.savedPath;
+  if (!named.meshPath.empty()) scene.meshPath = named.meshPath;
   if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
     throw Error(named.cagePath + ": --scene or --cage names another model: expected only one");
   if (!named.heightPath.empty() && !scene.heightPath.empty())

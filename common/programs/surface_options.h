@@ -78,10 +78,12 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings) {
       ->check(CLI::IsMember({"object", "tangent"}));
 }
 
-/* Adds arguments for applyFileArguments. `saved` is true if the program also shows files of compressed surfaces. */
-inline void addFileArguments(CLI::App& app, std::vector<std::string>& files, bool saved = false) {
+/* Adds arguments for applyFileArguments. `saved` is true if the program also shows files of compressed surfaces, and
+ * `meshes` if it shows meshes. */
+inline void addFileArguments(CLI::App& app, std::vector<std::string>& files, bool saved = false, bool meshes = true) {
   app.add_option("files", files,
                  std::string("a control cage (OBJ) and a height map, as for --cage and --height") +
+                     (meshes ? "; or a mesh (PLY, STL, glTF or GLB), as for --mesh" : "") +
                      (saved ? "; or compressed surfaces (.cbvh), as cbvh_render --save writes them" : ""))
       ->type_name("FILE");
 }

@@ -325,6 +325,25 @@ TEST(OpenedFiles, CompressedSurfacesHaveNoModel) {
   EXPECT_TRUE(next.savedPath.empty());
 }
 
+TEST(OpenedFiles, MeshesReplaceTheModel) {
+  SceneSettings trex;
+  trex.scene = "trex";
+  for (const char* path : {"scan.ply", "part.STL", "car.gltf", "car.glb"}) {
+    const SceneSettings mesh = openFiles({path}, trex);
+    EXPECT_EQ(mesh.meshPath, path);
+    EXPECT_TRUE(mesh.scene.empty() && mesh.cagePath.empty());
+    validateScene(mesh);
+    EXPECT_TRUE(openFiles({"head.obj"}, mesh).meshPath.empty());
+    EXPECT_THROW(openFiles({path, "skin.png"}, {}), Error);
+    SceneSettings named;
+    named.up = "z";
+    applyFileArguments({path}, named);
+    EXPECT_EQ(named.meshPath, path);
+    EXPECT_EQ(named.up, "z");
+    EXPECT_THROW(applyFileArguments({path}, trex), Error);
+  }
+}
+
 TEST(OpenedFiles, IncompatibleFilesAreRejected) {
   SceneSettings trex;
   trex.scene = "trex";

@@ -135,7 +135,7 @@ struct OptionTexts {
 /* In the order of --help. */
 
 void declareLists(CLI::App& app, OptionTexts& texts) {
-  addFileArguments(app, texts.files);
+  addFileArguments(app, texts.files, false, false);
   app.add_option("--scene", texts.scenes,
                  "comma-separated list of " + listOfScenes() + "; an amplitude may follow after a colon")
       ->type_name("LIST");
@@ -236,6 +236,10 @@ void declareOutput(CLI::App& app, BenchOptions& o, OptionTexts& texts) {
 std::vector<BenchScene> readScenes(const OptionTexts& texts) {
   SceneSettings settings = texts.settings;
   applyFileArguments(texts.files, settings);
+  if (!settings.meshPath.empty())
+    throw Error(settings.meshPath +
+                ": cbvh_bench does not measure meshes: expected a cage (OBJ), or cbvh_render --mesh "
+                "with --compare");
   if (texts.scenes.empty() || !settings.cagePath.empty() || !settings.savedPath.empty()) {
     settings.scene = texts.scenes;
     validateScene(settings);
