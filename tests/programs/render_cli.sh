@@ -359,7 +359,7 @@ grep -q "^| bytes per quad *| *[1-9]" "$folder/plain" ||
   complain "a mesh of one quad is not stored: $(cat "$folder/plain" "$folder/plain.err")"
 for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done > "$folder/five.obj"
 echo "f 1 2 3 4 5" >> "$folder/five.obj"
-run five --mesh "$folder/five.obj" --representation grid --size 64x64
+run five --mesh "$folder/five.obj" --representation grid
 grep -q "^five: 3 faces" "$folder/five" || complain "a pentagon is not three triangles: $(cat "$folder/five")"
 printf 'ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty int x\n' > "$folder/short.ply"
 refuses "short.ply:5: .*end_header" --mesh "$folder/short.ply"
@@ -367,7 +367,7 @@ refuses "short.ply:5: .*end_header" --mesh "$folder/short.ply"
   printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty int x\nproperty int y\nproperty int z\n'
   printf 'element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n'
 } > "$folder/one.ply"
-run one --mesh "$folder/one.ply" --representation grid --size 64x64
+run one --mesh "$folder/one.ply" --representation grid
 grep -q "^one: 1 faces" "$folder/one" || complain "a PLY file has other faces: $(cat "$folder/one")"
 refuses "scene .*--cage .*--mesh " --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
