@@ -191,8 +191,13 @@ class Rays(unittest.TestCase):
         origins, directions = rays_from_above()
         expected = self.scene.intersect(origins, directions)
         self.assertGreater(np.ptp(expected.t), 0.01)
+        unaligned = np.zeros(origins.nbytes + 1, np.uint8)[1:].view(np.float32).reshape(origins.shape)
+        unaligned[...] = origins
         for o, d in (
             (origins.astype(np.float64), directions),
+            (origins.astype(">f8"), np.ascontiguousarray(directions)),
+            (unaligned, directions.astype(np.float16)),
+            (origins[::-1].copy()[::-1], directions[:1, :1]),
             (np.asfortranarray(origins), np.asfortranarray(directions)),
             (np.repeat(origins, 2, 1)[:, ::2], directions.astype(np.int64)),
             (origins.tolist(), (0, 0, -1)),
@@ -214,6 +219,7 @@ class Rays(unittest.TestCase):
         self.assertEqual(limits.shape, (2, 3))
         np.testing.assert_array_equal(limits.hit, [[False, False, False], [True, False, True]])
         self.assertEqual(self.scene.intersect(np.zeros((0, 3)), [0, 0, 1]).t.shape, (0,))
+        self.assertEqual(self.scene.occluded(np.zeros((2, 0, 3)), [0, 0, 1]).shape, (2, 0))
 
     def test_hits_do_not_depend_on_the_number_of_threads(self):
         rays = rays_from_above(200, -0.5, 1.5)

@@ -4,6 +4,7 @@
 #include "camera.h"
 #include "classes.h"
 #include "hits.h"
+#include "ray_arrays.h"
 
 #include "tracing/ray_sets.h"
 
@@ -53,9 +54,9 @@ py::tuple bounce(const Hits& hits, const py::object& origins, const py::object& 
                  uint32_t seed) {
   if (!(offset >= 0.0f) || !std::isfinite(offset))
     throwValueError("offset", "is " + std::to_string(offset) + ": expected a finite number of at least 0");
-  const Rays rays = readRays(origins, directions);
-  requireRays(hits, "hits", rays.rays.size(), "origins and directions");
-  return arraysOf(bounceRays(rays.rays, hits.hits, {count, offset, seed}));
+  const std::vector<Ray> rays = readRays(origins, directions).rays();
+  requireRays(hits, "hits", rays.size(), "origins and directions");
+  return arraysOf(bounceRays(rays, hits.vector(), {count, offset, seed}));
 }
 
 } // namespace

@@ -12,21 +12,7 @@
 namespace programs::python {
 namespace {
 
-/* The shape without the last axis. */
-Shape shapeOfVectors(const py::array& array, const std::string& argument) {
-  Shape shape = shapeOf(array);
-  if (shape.empty() || shape.back() != 3)
-    throwValueError(argument, "has shape " + shapeText(shape) + ": expected (..., 3)");
-  shape.pop_back();
-  return shape;
-}
-
 py::tuple tupleOf(const Shape& shape) { return py::tuple(py::cast(shape)); }
-
-template<typename Array>
-Array broadcast(const Array& array, const Shape& shape) {
-  return Array(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
-}
 
 template<typename T>
 py::array member(const py::object& self, T SurfaceHit::* member) {
@@ -35,7 +21,7 @@ py::array member(const py::object& self, T SurfaceHit::* member) {
   py::ssize_t stride = sizeof(SurfaceHit);
   for (size_t i = strides.size(); i-- > 0; stride *= hits.shape[i]) strides[i] = stride;
   static const SurfaceHit none;
-  const SurfaceHit* const first = hits.hits.empty() ? &none : hits.hits.data();
+  const SurfaceHit* const first = hits.hits.size() ? hits.hits.data() : &none;
   if constexpr (std::is_same_v<T, Vec3f>) {
     Shape shape = hits.shape;
     shape.push_back(3);
@@ -61,66 +47,13 @@ std::string repr(const Hits& hits) {
 
 std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b) {
   requireRays(b, "b", a.hits.size(), "a");
-  auto result = std::make_shared<Hits>(a);
-  result->hits = nearerHits(a.hits, b.hits);
+  const std::vector<SurfaceHit> hits = nearerHits(a.vector(), b.vector());
+  auto result = std::make_shared<Hits>(Hits{a.shape, LargeArray<SurfaceHit>(hits.size()), a.faces});
+  std::copy(hits.begin(), hits.end(), result->hits.begin());
   return result;
 }
 
 } // namespace
-
-template<typename T>
-RayArrays<T> readRayArrays(const py::object& origins, const py::object& directions, const py::object& tnear,
-                           const py::object& tfar, const py::object& time) {
-  using Array = typename RayArrays<T>::Array;
-  const Array o(realNumbers(origins, "origins")), d(realNumbers(directions, "directions"));
-  const Array n(realNumbers(tnear, "tnear")), f(realNumbers(tfar, "tfar")), m(realNumbers(time, "time"));
-  std::for_each(m.data(), m.data() + m.size(), [](T t) { requireTime(float(t)); });
-  const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f),
-                           shapeOf(m)};
-  RayArrays<T> result;
-  try {
-    const py::object shape = py::module_::import("numpy").attr("broadcast_shapes")(
-        tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]), tupleOf(shapes[4]));
-    for (const py::handle& extent : shape) result.shape.push_back(extent.cast<py::ssize_t>());
-  } catch (py::error_already_set& e) {
-    if (!e.matches(PyExc_ValueError)) throw;
-    throw py::value_error("origins of " + shapeText(shapes[0]) + " points, directions of " + shapeText(shapes[1]) +
-                          " vectors, tnear of shape " + shapeText(shapes[2]) + ", tfar of shape " +
-                          shapeText(shapes[3]) + " and time of shape " + shapeText(shapes[4]) +
-                          ": expected shapes that can be broadcast to one shape");
-  }
-  Shape vectors = result.shape;
-  vectors.push_back(3);
-  result.origins = broadcast(o, vectors);
-  result.directions = broadcast(d, vectors);
-  result.tnear = broadcast(n, result.shape);
-  result.tfar = broadcast(f, result.shape);
-  result.time = broadcast(m, result.shape);
-  return result;
-}
-
-template RayArrays<double> readRayArrays(const py::object&, const py::object&, const py::object&, const py::object&,
-                                         const py::object&);
-
-Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
-              const py::object& time) {
-  RayArrays<float> arrays = readRayArrays<float>(origins, directions, tnear, tfar, time);
-  Rays result{std::move(arrays.shape), std::vector<Ray>(size_t(arrays.tnear.size()))};
-  for (size_t i = 0; i < result.rays.size(); i++) {
-    const float *const p = arrays.origins.data() + 3 * i, *const v = arrays.directions.data() + 3 * i;
-    result.rays[i] = {
-        {p[0], p[1], p[2]}, arrays.tnear.data()[i], {v[0], v[1], v[2]}, arrays.tfar.data()[i], arrays.time.data()[i]};
-  }
-  return result;
-}
-
-Rays readRays(const py::object& origins, const py::object& directions) {
-  return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY), py::float_(0.0));
-}
-
-void requireTime(float time) {
-  if (!(time >= 0.0f && time <= 1.0f)) throwValueError("time", "is " + std::to_string(time) + ": expected 0 to 1");
-}
 
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others) {
   if (hits.hits.size() != rays)

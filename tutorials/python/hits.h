@@ -3,49 +3,26 @@
 
 #pragma once
 
-/* Converts NumPy arrays to rays, and hits to NumPy arrays. Shapes exclude the last axis, x, y and z. */
+/* Hits of rays as NumPy arrays. */
 
 #include "arrays.h"
+#include "large_array.h"
 
 #include "building/face_numbers.h"
 #include "building/surface_hit.h"
-#include "tracing/ray.h"
 
 #include <memory>
+#include <vector>
 
 namespace programs::python {
 
-/* Arguments as for Scene.intersect, broadcast by NumPy's rules. */
-template<typename T>
-struct RayArrays {
-  using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
-
-  Shape shape;
-  Array origins, directions, tnear, tfar, time;
-};
-
-template<typename T>
-RayArrays<T> readRayArrays(const py::object& origins, const py::object& directions, const py::object& tnear,
-                           const py::object& tfar, const py::object& time);
-
-struct Rays {
-  Shape shape;
-  std::vector<Ray> rays; // in C order
-};
-
-/* Arguments as for Scene.intersect, broadcast by NumPy's rules. */
-Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
-              const py::object& time);
-Rays readRays(const py::object& origins, const py::object& directions);
-
 struct Hits {
   Shape shape;
-  std::vector<SurfaceHit> hits;
+  LargeArray<SurfaceHit> hits;              // in C order
   std::shared_ptr<const FaceNumbers> faces; // of the scene
-};
 
-/* Raises ValueError unless the time is from 0 to 1. */
-void requireTime(float time);
+  std::vector<SurfaceHit> vector() const { return {hits.begin(), hits.end()}; }
+};
 
 /* Raises ValueError unless there are `rays` hits, as many as rays in the arguments `others`. */
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others);

@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/progress.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -182,6 +183,21 @@ void runQuery(const std::function<void()>& work) {
   };
   task.start(cancelable);
   task.wait(py::none());
+}
+
+void runQuery(size_t items, size_t perTask, unsigned threads, const std::function<void(unsigned threads)>& work) {
+  if (items > perTask) {
+    const size_t tasks = (items + perTask - 1) / perTask;
+    runQuery([&] { work(unsigned(std::min(tasks, size_t(threads)))); });
+    return;
+  }
+  {
+    QueryCall call;
+    const CancellationScope scope(&call.cancellation);
+    const py::gil_scoped_release released;
+    work(1);
+  }
+  throwIfSignalled();
 }
 
 bool interpreterEnds() { return ending; }

@@ -15,6 +15,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -26,6 +27,11 @@ namespace py = pybind11;
 /* Throw what `work` throws. `progress` is None, or receives the name of a phase and the fraction done, 0 to 1. */
 void runBuild(const py::object& progress, const std::function<void()>& work);
 void runQuery(const std::function<void()>& work);
+
+/* The same for `items` independent rays or points. A single task of `perTask` items, which takes milliseconds, runs on
+ * the calling thread, as starting a thread would take longer than tracing a few rays: Ctrl-C is noticed after it.
+ * `work` receives the number of useful threads, at most `threads`. */
+void runQuery(size_t items, size_t perTask, unsigned threads, const std::function<void(unsigned threads)>& work);
 
 /* The same for work that returns a result. */
 template<typename Work>

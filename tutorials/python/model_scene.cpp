@@ -5,6 +5,7 @@
 #include "hits.h"
 #include "interruptible.h"
 #include "json_objects.h"
+#include "ray_arrays.h"
 #include "scene.h"
 #include "warning.h"
 
@@ -147,7 +148,7 @@ void requirePositive(float footprint) {
 py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint) {
   requireRays(reference, "reference", hits.hits.size(), "hits");
   requirePositive(footprint);
-  const std::vector<float> errors = pixelErrors(reference.hits, hits.hits, footprint);
+  const std::vector<float> errors = pixelErrors(reference.vector(), hits.vector(), footprint);
   return arrayOf<float>(hits.shape, [&](size_t i) { return errors[i] < 0.0f ? NAN : errors[i]; });
 }
 
@@ -156,7 +157,7 @@ py::object errorsOf(const ModelScene& scene, const Hits& hits, const Hits& refer
   requireHitsOf(scene, reference, "reference");
   requireRays(reference, "reference", hits.hits.size(), "hits");
   requirePositive(footprint);
-  return objectOf(errorsJson(compareHits(reference.hits, hits.hits, footprint, scene.built.layout())));
+  return objectOf(errorsJson(compareHits(reference.vector(), hits.vector(), footprint, scene.built.layout())));
 }
 
 py::object trueErrorsOf(const ModelScene& scene, const Hits& hits, const py::object& origins,
@@ -165,12 +166,13 @@ py::object trueErrorsOf(const ModelScene& scene, const Hits& hits, const py::obj
   requireHitsOf(scene, hits, "hits");
   requirePositive(footprint);
   const unsigned n = threadsOf(threads);
-  const Rays rays = readRays(origins, directions);
-  requireRays(hits, "hits", rays.rays.size(), "origins and directions");
+  const std::vector<Ray> rays = readRays(origins, directions).rays();
+  requireRays(hits, "hits", rays.size(), "origins and directions");
+  const std::vector<SurfaceHit> found = hits.vector();
   return objectOf(errorsJson(interruptibleBuild(progress, [&] {
     const TrueSurfaces surfaces(*scene.model);
-    const TrueView view{*scene.model, surfaces, rays.rays, sampleHits(hits.hits, count, seed), footprint};
-    return compareToTrueSurface(view, hits.hits, scene.built.layout(), n);
+    const TrueView view{*scene.model, surfaces, rays, sampleHits(found, count, seed), footprint};
+    return compareToTrueSurface(view, found, scene.built.layout(), n);
   })));
 }
 

@@ -4,14 +4,15 @@
 #include "scene.h"
 #include "camera.h"
 #include "classes.h"
-#include "closest_points.h"
 #include "geometry_scene.h"
 #include "hits.h"
 #include "interruptible.h"
+#include "point_queries.h"
+#include "ray_arrays.h"
 
 #include "basics/parallel.h"
 #include "building/stored_surface.h"
-#include "tracing/trace_hits.h"
+#include "tracing/trace_batches.h"
 #include "tracing/trace_timing.h"
 
 #include <pybind11/stl/filesystem.h>
@@ -50,29 +51,36 @@ namespace {
 
 Hits intersect(const Scene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
                const py::object& tfar, const py::object& time, int threads) {
-  const unsigned n = threadsOf(threads);
-  Rays rays = readRays(origins, directions, tnear, tfar, time);
-  return interruptibleQuery([&] {
-    std::vector<SurfaceHit> hits = traceClosest(scene.traced(), rays.rays, n);
+  const RayArrays rays = readRays(origins, directions, tnear, tfar, time);
+  Hits result{rays.shape, LargeArray<SurfaceHit>(rays.count), scene.faces()};
+  SurfaceHit* const hits = result.hits.data();
+  const size_t chunk = rayChunk(scene.traced());
+  runQuery(rays.count, chunk, threadsOf(threads), [&](unsigned n) {
+    parallelFor(rays.count, chunk, n, [&](size_t begin, size_t end) {
+      traceClosestBatches(
+          scene.traced(), end - begin, [&](size_t i) { return rays.ray(begin + i); },
+          [&](size_t i, const SurfaceHit& hit) { hits[begin + i] = hit; });
+    });
     scene.checkRays();
-    return Hits{std::move(rays.shape), std::move(hits), scene.faces()};
   });
+  return result;
 }
 
 py::array_t<bool> occluded(const Scene& scene, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, const py::object& time, int threads) {
-  constexpr size_t chunk = 4096;
-  const unsigned n = threadsOf(threads);
-  const Rays rays = readRays(origins, directions, tnear, tfar, time);
-  const std::vector<char> hit = interruptibleQuery([&] {
-    std::vector<char> hits(rays.rays.size());
-    parallelFor(hits.size(), chunk, n, [&](size_t begin, size_t end) {
-      traceAny(scene.traced(), end - begin, &rays.rays[begin], &hits[begin]);
+  const RayArrays rays = readRays(origins, directions, tnear, tfar, time);
+  py::array_t<bool> result(rays.shape);
+  bool* const hits = result.mutable_data();
+  const size_t chunk = rayChunk(scene.traced());
+  runQuery(rays.count, chunk, threadsOf(threads), [&](unsigned n) {
+    parallelFor(rays.count, chunk, n, [&](size_t begin, size_t end) {
+      traceAnyBatches(
+          scene.traced(), end - begin, [&](size_t i) { return rays.ray(begin + i); },
+          [&](size_t i, bool isHit) { hits[begin + i] = isHit; });
     });
     scene.checkRays();
-    return hits;
   });
-  return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
+  return result;
 }
 
 double traceSeconds(const Scene& scene, const py::object& origins, const py::object& directions,
@@ -84,17 +92,12 @@ double traceSeconds(const Scene& scene, const py::object& origins, const py::obj
   settings.threads = threadsOf(threads);
   settings.passes = passes;
   if (passes < 1) throwValueError("passes", "is 0: expected 1 or more");
-  const Rays rays = readRays(origins, directions);
+  const std::vector<Ray> rays = readRays(origins, directions).rays();
   return interruptibleQuery([&] {
-    const double seconds = timeTrace(scene.traced(), rays.rays, settings).seconds;
+    const double seconds = timeTrace(scene.traced(), rays, settings).seconds;
     scene.checkRays();
     return seconds;
   });
-}
-
-py::tuple closestPointsOf(const Scene& scene, const py::object& points, const py::object& radius,
-                          const py::object& time, int threads) {
-  return closestPoints(scene, points, radius, time, threadsOf(threads));
 }
 
 Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size) {
@@ -159,28 +162,15 @@ tnear, tfar: (...), range of distances in which hits are found.
 time: (...), 0 to 1, for geometries that move: 0 is the first time step of a model, 1 the last.
 threads: 0 for all.
 
-Arguments are converted to float32 and broadcast by NumPy's rules: one origin and a picture of directions return a
-picture of hits. Ctrl-C stops the call. Several Python threads may trace at the same time, in the same scene or in
-several. Hits do not depend on the number of threads.
+Arguments are rounded to float32 and broadcast by NumPy's rules: one origin and a picture of directions return a picture
+of hits. Contiguous arrays of float32 or float64 are not copied, and must not change during the call. Ctrl-C stops the
+call. Several Python threads may trace at the same time, in the same scene or in several. Hits do not depend on the
+number of threads.
 
 Raises ValueError or TypeError for invalid arguments, and Error if a block of a loaded file is damaged.)";
 
 constexpr const char* occludedText =
     R"(Returns (...) bool: True if the ray hits anything. Arguments and errors as in intersect.)";
-
-constexpr const char* closestText = R"(Finds the closest point of the surface for each point.
-
-points: (..., 3), world units.
-radius: (...), largest distance, may be inf.
-time: (...), 0 to 1, for geometries that move.
-threads: 0 for all.
-
-Returns two results: positions, (..., 3) float32, the closest points in world units, NaN where none is within the
-radius; and Hits, in which t is the distance, inf where there is none. Arguments are broadcast by NumPy's rules. Only
-for ctile and cvert, whose stored triangles are searched. Ctrl-C stops the call.
-
-Raises ValueError or TypeError for invalid arguments, and Error for other representations, or if a block of a loaded
-file is damaged.)";
 
 constexpr const char* secondsText = R"(Traces the rays and returns the time of one pass in seconds.
 
@@ -246,15 +236,14 @@ Raises ValueError if the scene is not compressed, and Error if the file cannot b
 void defineScene(py::module_& module) {
   using py::arg;
   const py::float_ zero(0.0), infinity(INFINITY);
-  py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", sceneText)
+  py::class_<Scene, std::shared_ptr<Scene>> scene(module, "Scene", sceneText);
+  scene
       .def(py::init(&buildGeometries), arg("geometries"), arg("representation") = optionNameOf(preferredKind),
            py::kw_only(), arg("threads") = 0, arg("isa") = "", arg("progress") = py::none(), buildGeometriesText)
       .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
            py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
       .def("occluded", &occluded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
            py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
-      .def("closest_points", &closestPointsOf, arg("points"), arg("radius") = infinity, py::kw_only(),
-           arg("time") = zero, arg("threads") = 0, closestText)
       .def("trace_seconds", &traceSeconds, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
            arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
       .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
@@ -268,6 +257,7 @@ void defineScene(py::module_& module) {
           "bounds", [](const Scene& s) { return arrayOf(s.traced().bounds()); },
           "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
       .def("__repr__", [](const Scene& s) { return stringOf(s.repr()); });
+  definePointQueries(scene);
 }
 
 } // namespace programs::python

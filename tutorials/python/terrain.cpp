@@ -6,16 +6,17 @@
 #include "classes.h"
 #include "georeference.h"
 #include "geometry_scene.h"
-#include "hits.h"
 #include "interruptible.h"
 #include "json_objects.h"
 #include "terrain.h"
 
 #include "basics/error.h"
 #include "basics/input_files.h"
+#include "basics/parallel.h"
 #include "basics/seconds.h"
 #include "building/saved_scene.h"
 #include "programs/compression_json.h"
+#include "tracing/trace_batches.h"
 
 #include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
@@ -258,35 +259,45 @@ std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell,
 
 /* --- queries ----------------------------------------------------------------------- */
 
-/* Rejects rays that have no direction or place. */
-RayArrays<double> readTerrainRays(const py::object& origins, const py::object& directions, const py::object& tnear,
-                                  const py::object& tfar) {
-  RayArrays<double> rays = readRayArrays<double>(origins, directions, tnear, tfar, py::float_(0.0));
-  for (py::ssize_t i = 0; i < rays.tnear.size(); i++) {
-    const double *const o = rays.origins.data() + 3 * i, *const d = rays.directions.data() + 3 * i;
-    if (!std::isfinite(o[0]) || !std::isfinite(o[1]) || !std::isfinite(o[2]))
-      throwValueError("origins", "ray " + std::to_string(i) + " is not finite: expected finite numbers");
-    const double size = length(Vec3d{d[0], d[1], d[2]});
-    if (!(size > 0) || !std::isfinite(size))
-      throwValueError("directions", "ray " + std::to_string(i) + " has length " + std::to_string(size) +
-                                        ": expected finite numbers that are not all 0");
-  }
-  return rays;
+/* Throws ValueError for rays that have no direction or place. Runs without Python's lock. */
+void requireTerrainRay(const RayArrays& rays, size_t i) {
+  const Vec3d o = rays.origins.vectorAt<double>(i);
+  if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z))
+    throwValueError("origins", "ray " + std::to_string(i) + " is not finite: expected finite numbers");
+  const double size = length(rays.directions.vectorAt<double>(i));
+  if (!(size > 0) || !std::isfinite(size))
+    throwValueError("directions", "ray " + std::to_string(i) + " has length " + std::to_string(size) +
+                                      ": expected finite numbers that are not all 0");
+}
+
+void requireTerrainRays(const RayArrays& rays, unsigned threads) {
+  constexpr size_t chunk = 1 << 16;
+  parallelFor(rays.count, chunk, threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; i++) requireTerrainRay(rays, i);
+  });
 }
 
 TerrainHits intersect(const Terrain& terrain, const py::object& origins, const py::object& directions,
                       const py::object& tnear, const py::object& tfar, int threads) {
-  const unsigned n = threadsOf(threads);
-  const RayArrays<double> rays = readTerrainRays(origins, directions, tnear, tfar);
-  return interruptibleQuery([&] { return terrain.intersect(rays, n); });
+  const RayArrays rays = readRays(origins, directions, tnear, tfar, py::float_(0.0));
+  TerrainHits result(rays.shape, terrain.space, rays.count);
+  runQuery(rays.count, rayChunk(*terrain.scene), threadsOf(threads), [&](unsigned n) {
+    requireTerrainRays(rays, n);
+    terrain.intersect(rays, n, result.hits.data());
+  });
+  return result;
 }
 
 py::array_t<bool> occluded(const Terrain& terrain, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, int threads) {
-  const unsigned n = threadsOf(threads);
-  const RayArrays<double> rays = readTerrainRays(origins, directions, tnear, tfar);
-  const std::vector<char> hit = interruptibleQuery([&] { return terrain.occluded(rays, n); });
-  return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
+  const RayArrays rays = readRays(origins, directions, tnear, tfar, py::float_(0.0));
+  py::array_t<bool> result(rays.shape);
+  bool* const hits = result.mutable_data();
+  runQuery(rays.count, rayChunk(*terrain.scene), threadsOf(threads), [&](unsigned n) {
+    requireTerrainRays(rays, n);
+    terrain.occluded(rays, n, hits);
+  });
+  return result;
 }
 
 py::object statistics(const Terrain& terrain) {

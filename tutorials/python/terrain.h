@@ -6,7 +6,7 @@
 /* A raster of heights as a scene, which traces rays of the raster's coordinates. Methods need no lock of Python. */
 
 #include "georeference.h"
-#include "hits.h"
+#include "ray_arrays.h"
 #include "ray_errors.h"
 #include "terrain_hits.h"
 
@@ -24,9 +24,9 @@ public:
       scene(std::move(scene)),
       seconds(seconds) {}
 
-  /* Throw Error and Canceled. */
-  TerrainHits intersect(const RayArrays<double>& rays, unsigned threads) const;
-  std::vector<char> occluded(const RayArrays<double>& rays, unsigned threads) const;
+  /* Throw Error and Canceled. `hits` has an element per ray. */
+  void intersect(const RayArrays& rays, unsigned threads, TerrainHit* hits) const;
+  void occluded(const RayArrays& rays, unsigned threads, bool* hits) const;
 
   /* Elevations of the horizon in degrees, -90 to 90: of all azimuths at the first point, then at the second one, and so
    * on. azimuths: in degrees, from north to east. accuracy: in degrees. */

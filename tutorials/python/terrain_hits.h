@@ -6,9 +6,9 @@
 /* Hits of rays on a terrain, in the coordinates of its raster. */
 
 #include "georeference.h"
+#include "large_array.h"
 
 #include <limits>
-#include <vector>
 
 namespace programs::python {
 
@@ -21,11 +21,14 @@ struct TerrainHit {
 };
 
 struct TerrainHits {
-  TerrainHits(Shape shape, const Georeference& space) : shape(std::move(shape)), space(space) {}
+  TerrainHits(Shape shape, const Georeference& space, size_t count)
+    : shape(std::move(shape)),
+      space(space),
+      hits(count) {}
 
   Shape shape;
   Georeference space;
-  std::vector<TerrainHit> hits;
+  LargeArray<TerrainHit> hits; // in C order
 };
 
 void defineTerrainHits(py::module_& module);

@@ -80,19 +80,23 @@ py::array_t<bool> viewshed(const Terrain& terrain, const py::object& observer, c
   const std::vector<Vec3d> targets = readPoints(points, "points", shape);
   Shape vectors = shape;
   vectors.push_back(3);
-  Doubles directions(vectors), origins(vectors), tnear(shape), tfar(shape);
+  Doubles directions(vectors), tfar(shape);
   for (size_t i = 0; i < targets.size(); i++) {
     const Vec3d along = targets[i] - from;
     const bool isHere = !(length(along) > 0);
     const Vec3d direction = isHere ? Vec3d{0, 0, 1} : along;
-    std::copy_n(&from.x, 3, origins.mutable_data() + 3 * i);
     std::copy_n(&direction.x, 3, directions.mutable_data() + 3 * i);
-    tnear.mutable_data()[i] = 0;
     tfar.mutable_data()[i] = isHere ? -1 : 1;
   }
-  const RayArrays<double> rays{shape, origins, directions, tnear, tfar, tnear};
-  const std::vector<char> hit = interruptibleQuery([&] { return terrain.occluded(rays, n); });
-  return arrayOf<bool>(shape, [&](size_t i) { return hit[i] == 0; });
+  const RayArrays rays =
+      readRays(py::make_tuple(from.x, from.y, from.z), directions, py::float_(0.0), tfar, py::float_(0.0));
+  py::array_t<bool> result(shape);
+  bool* const seen = result.mutable_data();
+  runQuery([&] {
+    terrain.occluded(rays, n, seen);
+    std::transform(seen, seen + targets.size(), seen, [](bool isHidden) { return !isHidden; });
+  });
+  return result;
 }
 
 constexpr const char* horizonText = R"(Returns the elevation of the horizon, (..., n) float32 in degrees, -90 to 90.

@@ -4,6 +4,7 @@
 #include "terrain.h"
 
 #include "basics/parallel.h"
+#include "tracing/trace_batches.h"
 #include "tracing/trace_hits.h"
 
 #include <cmath>
@@ -11,54 +12,41 @@
 namespace programs::python {
 namespace {
 
-constexpr size_t chunk = 4096; // rays
-
-Vec3d vectorAt(const RayArrays<double>::Array& array, size_t i) {
-  const double* const v = array.data() + 3 * i;
-  return {v[0], v[1], v[2]};
-}
-
-Georeference::SceneRay rayOf(const Georeference& space, const RayArrays<double>& rays, size_t i, const Box3f& box) {
-  return space.ray(vectorAt(rays.origins, i), vectorAt(rays.directions, i), rays.tnear.data()[i], rays.tfar.data()[i],
-                   box);
+Georeference::SceneRay rayOf(const Georeference& space, const RayArrays& rays, size_t i, const Box3f& box) {
+  return space.ray(rays.origins.vectorAt<double>(i), rays.directions.vectorAt<double>(i), rays.tnear.at<double>(i),
+                   rays.tfar.at<double>(i), box);
 }
 
 } // namespace
 
-TerrainHits Terrain::intersect(const RayArrays<double>& rays, unsigned threads) const {
+void Terrain::intersect(const RayArrays& rays, unsigned threads, TerrainHit* hits) const {
   const Box3f box = scene->bounds();
-  TerrainHits result(rays.shape, space);
-  result.hits.resize(size_t(rays.tnear.size()));
-  parallelFor(result.hits.size(), chunk, threads, [&](size_t begin, size_t end) {
+  parallelFor(rays.count, rayChunk(*scene), threads, [&](size_t begin, size_t end) {
     std::vector<Georeference::SceneRay> converted(end - begin);
-    std::vector<Ray> batch(end - begin);
-    std::vector<SurfaceHit> hits(end - begin);
-    for (size_t i = begin; i < end; i++) batch[i - begin] = (converted[i - begin] = rayOf(space, rays, i, box)).ray;
-    traceClosest(*scene, end - begin, batch.data(), hits.data());
-    for (size_t i = begin; i < end; i++) {
-      const SurfaceHit& hit = hits[i - begin];
-      if (!hit.hit()) continue;
-      const Georeference::SceneRay& ray = converted[i - begin];
-      TerrainHit& out = result.hits[i];
-      out.t = ray.start + ray.scale * double(hit.t);
-      out.position = vectorAt(rays.origins, i) + out.t * vectorAt(rays.directions, i);
-      out.normal = space.normal(hit.normal);
-    }
+    const auto rayAt = [&](size_t i) -> const Ray& { return (converted[i] = rayOf(space, rays, begin + i, box)).ray; };
+    const auto store = [&](size_t i, const SurfaceHit& hit) {
+      TerrainHit out;
+      if (hit.hit()) {
+        const Georeference::SceneRay& ray = converted[i];
+        out.t = ray.start + ray.scale * double(hit.t);
+        out.position = rays.origins.vectorAt<double>(begin + i) + out.t * rays.directions.vectorAt<double>(begin + i);
+        out.normal = space.normal(hit.normal);
+      }
+      hits[begin + i] = out;
+    };
+    traceClosestBatches(*scene, end - begin, rayAt, store);
   });
   errors.check(*scene);
-  return result;
 }
 
-std::vector<char> Terrain::occluded(const RayArrays<double>& rays, unsigned threads) const {
+void Terrain::occluded(const RayArrays& rays, unsigned threads, bool* hits) const {
   const Box3f box = scene->bounds();
-  std::vector<char> result(size_t(rays.tnear.size()));
-  parallelFor(result.size(), chunk, threads, [&](size_t begin, size_t end) {
-    std::vector<Ray> batch(end - begin);
-    for (size_t i = begin; i < end; i++) batch[i - begin] = rayOf(space, rays, i, box).ray;
-    traceAny(*scene, batch.size(), batch.data(), &result[begin]);
+  parallelFor(rays.count, rayChunk(*scene), threads, [&](size_t begin, size_t end) {
+    traceAnyBatches(
+        *scene, end - begin, [&](size_t i) { return rayOf(space, rays, begin + i, box).ray; },
+        [&](size_t i, bool isHit) { hits[begin + i] = isHit; });
   });
   errors.check(*scene);
-  return result;
 }
 
 /* A terrain without overhangs occludes every ray below its horizon: bisection finds it. */
