@@ -8,8 +8,9 @@
     scripts/measure_python.py build/release [--rounds 9]
 
 The scene is the trex at level 5, saved and loaded by both. Each set has about a million rays: primary rays in tiles,
-their bounces, and rays between random points of the scene's box. Python and C++ trace alternately. The table has medians
-in millions of rays per second: by wall-clock time, and, as other programs may run, by processor time of all threads.
+their bounces, and rays between random points of the scene's box. Python and C++ trace alternately. The table has
+medians in millions of rays per second: by wall-clock time, and, as other programs may run, by processor time of all
+threads.
 """
 
 import argparse

@@ -96,6 +96,99 @@ class ClosestPoints(unittest.TestCase):
             cbvh.build(sheet(), "grid", 3).closest_points([0, 0, 0])
 
 
+def cube_arrays(lower, upper, n):
+    """Vertices and quads of the surface of a cube, n x n per side. Sides share vertices."""
+    grid = np.stack(np.meshgrid(*[np.arange(n + 1)] * 3, indexing="ij"), -1)
+    on_surface = ((grid == 0) | (grid == n)).any(-1)
+    number = np.cumsum(on_surface.ravel()).reshape(on_surface.shape) - 1
+    quads = []
+    for axis in range(3):
+        for plane in (0, n):
+            side = np.take(number, plane, axis)
+            corners = [side[:-1, :-1], side[1:, :-1], side[1:, 1:], side[:-1, 1:]]
+            outward = (plane == n) != (axis == 1)
+            quads.append(np.stack(corners[:: 1 if outward else -1], -1).reshape(-1, 4))
+    return lower + (upper - lower) * grid[on_surface] / n, np.concatenate(quads)
+
+
+def cube_mesh(lower=0.0, upper=1.0, **options):
+    return cbvh.Mesh(*cube_arrays(lower, upper, 8), **options)
+
+
+def distance_from_cube(points, lower=0.0, upper=1.0):
+    """Positive inside."""
+    outside = np.maximum(np.maximum(lower - points, points - upper), 0)
+    inside = np.minimum(points - lower, upper - points).min(-1)
+    return np.where(inside > 0, inside, -np.linalg.norm(outside, axis=-1))
+
+
+class Distances(unittest.TestCase):
+    def check(self, scene, points, expected, tolerance):
+        """expected: positive inside."""
+        np.testing.assert_allclose(scene.distance(points), np.abs(expected), atol=tolerance)
+        clear = np.abs(expected) > tolerance
+        self.assertGreater(clear.mean(), 0.9)
+        np.testing.assert_array_equal(scene.contains(points)[clear], expected[clear] > 0)
+        np.testing.assert_allclose(scene.signed_distance(points)[clear], expected[clear], atol=tolerance)
+        np.testing.assert_array_equal(scene.signed_distance(points, threads=1), scene.signed_distance(points))
+
+    def test_cube(self):
+        points = np.random.default_rng(3).uniform(-0.5, 1.5, (40, 50, 3))
+        inside = np.stack(np.meshgrid(*[np.arange(1, 16) / 16] * 3), -1)  # vertices and edges ahead along the axes
+        for representation in ("ctile", "cvert"):
+            scene = cbvh.Scene([cube_mesh(max_error=0)], representation)
+            self.check(scene, points, distance_from_cube(points), 1e-6)
+            self.check(scene, inside, distance_from_cube(inside), 1e-6)
+
+    def test_sphere(self):
+        radius = 0.5
+        vertices, quads = cube_arrays(-1.0, 1.0, 64)
+        vertices *= radius / np.linalg.norm(vertices, axis=1, keepdims=True)
+        scene = cbvh.Scene([cbvh.Mesh(vertices, quads, max_error=0)])
+        points = np.random.default_rng(4).uniform(-1, 1, (3000, 3))
+        self.check(scene, points, radius - np.linalg.norm(points, axis=-1), 2e-3)
+
+    def test_nested_bodies(self):
+        """A hollow cube next to another one: a shell is inside, its cavity and the rest of space are outside."""
+        scene = cbvh.Scene([cube_mesh(), cube_mesh(0.25, 0.75), cube_mesh(2, 3)])
+        points = np.random.default_rng(5).uniform(-0.5, 3.5, (4000, 3))
+        signed = [distance_from_cube(points, *box) for box in ((0, 1), (0.25, 0.75), (2, 3))]
+        expected = (np.array(signed) > 0).sum(0) % 2 * 2 - 1
+        self.check(scene, points, expected * np.abs(signed).min(0), 1e-3)
+
+    def test_radius_and_motion(self):
+        scene = cbvh.Scene([cube_mesh(max_error=0)])
+        points = [[0.5, 0.5, 0.5], [0.5, 0.5, 0.9], [0.5, 0.5, 1.1], [0.5, 0.5, 3]]
+        np.testing.assert_allclose(scene.distance(points, 0.25), [np.inf, 0.1, 0.1, np.inf], atol=1e-6)
+        np.testing.assert_allclose(scene.signed_distance(points, 0.25), [np.inf, 0.1, -0.1, -np.inf], atol=1e-6)
+        moving = cbvh.build(rising_model(), "cvert", 4)
+        np.testing.assert_allclose(moving.distance([0.5, 0.5, 1], time=[0, 0.5, 1]), [1, 0.75, 0.5], atol=1e-5)
+
+    def test_open_surfaces_raise_nothing(self):
+        scene = cbvh.build(sheet(), "ctile", 3)
+        self.assertEqual(scene.contains([[0.5, 0.5, 1], [0.5, 0.5, -1]]).shape, (2,))
+
+    def test_errors(self):
+        scene = cbvh.build(sheet(), "ctile", 3)
+        for call in (scene.distance, scene.signed_distance, scene.contains):
+            with self.assertRaisesRegex(ValueError, "points"):
+                call([0, 0])
+            with self.assertRaisesRegex(ValueError, "points: .*coordinate nan"):
+                call([0, np.nan, 0])
+            with self.assertRaisesRegex(ValueError, "time"):
+                call([0, 0, 0], time=2)
+        grid = cbvh.build(sheet(), "grid", 3)
+        for call in (grid.distance, grid.signed_distance, grid.contains):
+            with self.assertRaisesRegex(cbvh.Error, "cTILE or cVERT"):
+                call([0, 0, 0])
+        with tempfile.TemporaryDirectory() as folder:
+            cbvh.build(sheet(), "cvoxel", 3).save(folder + "/sheet")
+            loaded = cbvh.load(folder + "/sheet")
+            with self.assertRaisesRegex(cbvh.Error, "cVERT"):
+                loaded.distance([0, 0, 0])
+            self.assertTrue(loaded.intersect([0.5, 0.5, 1], [0, 0, -1]).hit)
+
+
 def rising_model(poses=1):
     """The sheet, which rises by one half from time 0 to 1."""
     vertices, _ = sheet_arrays()

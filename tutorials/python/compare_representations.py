@@ -30,7 +30,7 @@ SIZE = (640, 480)
 ROUNDS = 5
 
 
-def show(phase, fraction):
+def show(phase: str, fraction: float) -> None:
     print(f"\r{phase}: {fraction:.0%} ", end="" if fraction < 1 else "\n")
 
 
@@ -46,7 +46,7 @@ model = cbvh.Model.generate(SCENE, progress=show)
 grid = cbvh.build(model, "grid", LEVELS[-1], progress=show)
 camera = grid.camera("full", SIZE)
 pixels = cbvh.primary_rays(camera)
-diagonal = np.linalg.norm(grid.bounds[1] - grid.bounds[0])
+diagonal = float(np.linalg.norm(grid.bounds[1] - grid.bounds[0]))
 rays = {
     "coherent": cbvh.coherent_rays(camera),
     "incoherent": cbvh.bounce_rays(grid.intersect(*pixels), *pixels, offset=1e-4 * diagonal),
@@ -64,7 +64,7 @@ del grid  # it is rebuilt below
 rows = []
 for level in LEVELS:
     scenes = [cbvh.build(model, name, level, progress=show) for name in REPRESENTATIONS]
-    seconds = {(scene, kind): [] for scene in scenes for kind in rays}
+    seconds: "dict[tuple[cbvh.ModelScene, str], list[float]]" = {(s, kind): [] for s in scenes for kind in rays}
     for _ in range(ROUNDS):
         for (scene, kind), measured in seconds.items():
             measured.append(scene.trace_seconds(*rays[kind], coherent=kind == "coherent"))
@@ -136,8 +136,8 @@ shown = [scene for scene in scenes if scene.representation != "GRID"]
 figure, panels = plt.subplots(1, len(shown), figsize=(3.6 * len(shown), 2.8), constrained_layout=True)
 for panel, scene in zip(panels, shown):
     hits = scene.intersect(*pixels)
-    errors = cbvh.pixel_errors(hits, reference, camera.pixel_size)
-    image = panel.imshow(np.maximum(errors, 1e-4), norm="log", vmin=1e-4, vmax=10)
+    pixel_errors = cbvh.pixel_errors(hits, reference, camera.pixel_size)
+    image = panel.imshow(np.maximum(pixel_errors, 1e-4), norm="log", vmin=1e-4, vmax=10)
     summary = scene.compare(hits, reference, camera.pixel_size)
     title = f"{scene.representation}: median {summary['median_pixels']:.2g}, p99 {summary['p99_pixels']:.2g} px"
     panel.set_title(title, fontsize=10)

@@ -236,6 +236,13 @@ class Scene:
     def closest_points(
         self, points: ArrayLike, radius: ArrayLike = ..., *, time: ArrayLike = 0.0, threads: int = 0
     ) -> Tuple[Floats, Hits]: ...
+    def distance(
+        self, points: ArrayLike, radius: ArrayLike = ..., *, time: ArrayLike = 0.0, threads: int = 0
+    ) -> Floats: ...
+    def signed_distance(
+        self, points: ArrayLike, radius: ArrayLike = ..., *, time: ArrayLike = 0.0, threads: int = 0
+    ) -> Floats: ...
+    def contains(self, points: ArrayLike, *, time: ArrayLike = 0.0, threads: int = 0) -> Flags: ...
     def trace_seconds(
         self,
         origins: ArrayLike,

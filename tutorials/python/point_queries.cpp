@@ -3,10 +3,12 @@
 
 #include "point_queries.h"
 #include "hits.h"
+#include "inside.h"
 #include "interruptible.h"
 #include "ray_arrays.h"
 
 #include "basics/parallel.h"
+#include "tracing/denormals.h"
 
 #include <embree3/rtcore_surface.h>
 
@@ -74,6 +76,18 @@ void forEachPoint(const Scene& scene, const RayArrays& points, int threads, cons
   });
 }
 
+bool isPointInside(const Scene& scene, const RayArrays& points, size_t i) {
+  const FlushDenormals denormals;
+  const Ray point = points.ray(i);
+  return isInside(scene.traced().handle(), point.origin, point.time);
+}
+
+/* Infinity if no point is within the radius. */
+float distance(const Scene& scene, const RayArrays& points, size_t i) {
+  CbvhClosestPoint closest;
+  return find(scene.traced(), points, i, closest) ? closest.distance : INFINITY;
+}
+
 /* --- methods --------------------------------------------------------------------------- */
 
 py::tuple closestPoints(const Scene& scene, const py::object& points, const py::object& radius, const py::object& time,
@@ -94,6 +108,38 @@ py::tuple closestPoints(const Scene& scene, const py::object& points, const py::
   return py::make_tuple(positions, hits);
 }
 
+py::array_t<float> distances(const Scene& scene, const py::object& points, const py::object& radius,
+                             const py::object& time, int threads) {
+  scene.requireSearchable("measuring distances");
+  const RayArrays from = readPoints(points, radius, time);
+  py::array_t<float> result(from.shape);
+  float* const out = result.mutable_data();
+  forEachPoint(scene, from, threads, [&](size_t i) { out[i] = distance(scene, from, i); });
+  return result;
+}
+
+py::array_t<float> signedDistances(const Scene& scene, const py::object& points, const py::object& radius,
+                                   const py::object& time, int threads) {
+  scene.requireSearchable("measuring distances");
+  const RayArrays from = readPoints(points, radius, time);
+  py::array_t<float> result(from.shape);
+  float* const out = result.mutable_data();
+  forEachPoint(scene, from, threads, [&](size_t i) {
+    const float size = distance(scene, from, i);
+    out[i] = isPointInside(scene, from, i) ? size : -size;
+  });
+  return result;
+}
+
+py::array_t<bool> contains(const Scene& scene, const py::object& points, const py::object& time, int threads) {
+  scene.requireSearchable("testing points");
+  const RayArrays from = readPoints(points, py::float_(0.0), time);
+  py::array_t<bool> result(from.shape);
+  bool* const out = result.mutable_data();
+  forEachPoint(scene, from, threads, [&](size_t i) { out[i] = isPointInside(scene, from, i); });
+  return result;
+}
+
 /* --- docstrings ------------------------------------------------------------------------ */
 
 constexpr const char* closestText = R"(Finds the closest point of the surface for each point.
@@ -110,13 +156,39 @@ for ctile and cvert, whose stored triangles are searched. Ctrl-C stops the call.
 Raises ValueError or TypeError for invalid arguments, and Error for other representations, or if a block of a loaded
 file is damaged.)";
 
+constexpr const char* distanceText = R"(Returns the distance of each point from the surface, (...) float32, world units.
+
+Arguments and errors as in closest_points. The distance is inf where no point of the surface is within the radius.)";
+
+constexpr const char* signedText = R"(Returns signed distances from a closed surface, (...) float32, world units.
+
+The distance is positive inside, negative outside, and infinite where no point of the surface is within the radius.
+Arguments and errors as in closest_points. Inside is defined as in contains.)";
+
+constexpr const char* containsText = R"(Returns (...) bool: True if the surface encloses the point.
+
+points: (..., 3), world units.
+time: (...), 0 to 1, for geometries that move.
+threads: 0 for all.
+
+A point is inside if rays from it cross the surface an odd number of times, whatever the orientation of the triangles:
+a point in two overlapping bodies is outside. Two rays must agree, otherwise a third one decides. Surfaces must be
+closed: near a hole, or in front of an open surface, the result depends on the directions of the rays, without an error.
+Points on the surface, up to rounding to 32 bits, may be on either side. Errors as in closest_points.)";
+
 } // namespace
 
 void definePointQueries(py::class_<Scene, std::shared_ptr<Scene>>& scene) {
   using py::arg;
   const py::float_ zero(0.0), infinity(INFINITY);
-  scene.def("closest_points", &closestPoints, arg("points"), arg("radius") = infinity, py::kw_only(),
-            arg("time") = zero, arg("threads") = 0, closestText);
+  scene
+      .def("closest_points", &closestPoints, arg("points"), arg("radius") = infinity, py::kw_only(), arg("time") = zero,
+           arg("threads") = 0, closestText)
+      .def("distance", &distances, arg("points"), arg("radius") = infinity, py::kw_only(), arg("time") = zero,
+           arg("threads") = 0, distanceText)
+      .def("signed_distance", &signedDistances, arg("points"), arg("radius") = infinity, py::kw_only(),
+           arg("time") = zero, arg("threads") = 0, signedText)
+      .def("contains", &contains, arg("points"), py::kw_only(), arg("time") = zero, arg("threads") = 0, containsText);
 }
 
 } // namespace programs::python

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Closest points of scenes, for arrays of points. */
+/* Closest points, distances and insides of scenes, for arrays of points. */
 
 #include "scene.h"
 
