@@ -15,6 +15,13 @@ inline std::string lowerCase(std::string text) {
   return text;
 }
 
+/* Replaces bytes that may not be in a message, such as control characters of damaged files. */
+inline std::string printable(std::string text) {
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return text;
+}
+
 /* Up to 6 significant digits, as %g prints. */
 inline std::string shortNumber(double value) {
   char text[32];

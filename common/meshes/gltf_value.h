@@ -6,6 +6,7 @@
 /* Values of a glTF document with their place, for errors such as "car.gltf: accessors[3].count is missing". */
 
 #include "basics/error.h"
+#include "basics/text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -26,7 +27,7 @@ public:
       place(place) {}
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(file + ": " + (place.empty() ? "" : place + " ") + what);
+    throw Error(file + ": " + printable((place.empty() ? "" : place + " ") + what));
   }
 
   bool has(const char* key) const { return json->is_object() && json->contains(key); }

@@ -4,6 +4,7 @@
 #include "meshes/input_bytes.h"
 #include "basics/error.h"
 #include "basics/progress.h"
+#include "basics/text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -69,18 +70,15 @@ bool InputBytes::readLine(std::string_view& line) {
   return true;
 }
 
-void InputBytes::fail(const std::string& what) const { throw Error(path + ": " + what); }
+void InputBytes::fail(const std::string& what) const { throw Error(path + ": " + printable(what)); }
 
 void InputBytes::failAtLine(const std::string& what) const {
-  throw Error(path + ":" + std::to_string(lines) + ": " + what);
+  throw Error(path + ":" + std::to_string(lines) + ": " + printable(what));
 }
 
 std::string quotedWord(std::string_view word) {
   constexpr size_t longest = 32;
-  std::string text(word.substr(0, longest));
-  for (char& c : text)
-    if (c < ' ' || c > '~') c = '?';
-  return "'" + text + (word.size() > longest ? "..." : "") + "'";
+  return "'" + printable(std::string(word.substr(0, longest))) + (word.size() > longest ? "..." : "") + "'";
 }
 
 bool parseReal(std::string_view word, double& value) {

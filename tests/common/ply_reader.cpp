@@ -97,6 +97,8 @@ TEST(PlyReader, RejectsDamagedFilesWithTheirPlace) {
       {plyHeader("ascii", vertices4 + "element face 1\nproperty int a\n") + squareLines + "1\n", {"vertex_indices"}},
       {plyHeader("ascii", vertices4 + "element face 0\nproperty list uchar int vertex_index\n") + squareLines,
        {"no faces"}},
+      {plyHeader("ascii", vertices4 + "element \1\xff 1\nproperty int a\n" + listOfFaces) + squareLines,
+       {"ends before ?? 0"}},
       {header + squareLines, {"ends before face 0", " 1 "}},
       {header + squareLines + "4 0 1 2\n", {":14: ", "face 0", "too few"}},
       {header + squareLines + "3 0 1 2 3\n", {":14: ", "face 0", "'3'"}},
