@@ -55,6 +55,7 @@ ROOMS = {
     "codec": {
         "kernels/cvert/clusters": "clusters for GPUs",
         "kernels/cvert/file": "files: layout, reader, writer",
+        "kernels/cvert/conversion": "blocks as tiles and back",
         "kernels/cvert/encoder": "lattice, encoder",
         "kernels/cvert/decoder": "validator, scalar decoder",
         "kernels/cvert/rule": "when a ray hits a triangle",

@@ -6,7 +6,7 @@
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
-#include "kernels/cvert/encoder/mesh_tile_conversion.h"
+#include "kernels/cvert/conversion/mesh_tile_conversion.h"
 #include "codec/format_pages.h"
 #include "support/random.h"
 

@@ -6,7 +6,7 @@
 
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "kernels/cvert/decoder/validate.h"
-#include "kernels/cvert/encoder/tile_conversion.h"
+#include "kernels/cvert/conversion/tile_conversion.h"
 #include "kernels/cvert/format/block_type.h"
 #include "codec/format_pages.h"
 #include "support/random.h"

@@ -10,7 +10,7 @@
 #include "kernels/cbvh/exact/mesh_intersector1.h"
 #include "kernels/cbvh/exact/moving_intersector1.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
-#include "kernels/cvert/encoder/mesh_tile_conversion.h"
+#include "kernels/cvert/conversion/mesh_tile_conversion.h"
 
 #include <algorithm>
 

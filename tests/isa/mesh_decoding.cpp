@@ -5,7 +5,7 @@
  * groups exactly, and boxes that contain the triangles. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
-#include "kernels/cvert/encoder/mesh_tile_conversion.h"
+#include "kernels/cvert/conversion/mesh_tile_conversion.h"
 #include "kernels/cbvh/exact/decoded_mesh_tile.h"
 #include "support/random.h"
 

@@ -51,6 +51,7 @@ check format portable
 check rule format portable
 check decoder format portable
 check encoder format portable
+check conversion encoder decoder format portable
 check file decoder format portable
 check clusters portable
 end

@@ -9,7 +9,7 @@
 #include "../blocks/report.h"
 #include "flat_scene.h"
 #include "../blocks/surface_blocks.h"
-#include "../../cvert/encoder/mesh_tile_conversion.h"
+#include "../../cvert/conversion/mesh_tile_conversion.h"
 #include <limits>
 #include <memory>
 #include <unordered_map>

@@ -10,8 +10,8 @@
 #include "../base/resize_to_fit.h"
 #include "../base/thread_cache.h"
 #include "../../cvert/decoder/decoded_block.h"
-#include "../../cvert/encoder/mesh_tile_conversion.h"
-#include "../../cvert/encoder/tile_conversion.h"
+#include "../../cvert/conversion/mesh_tile_conversion.h"
+#include "../../cvert/conversion/tile_conversion.h"
 #include "block_table.h"
 #include "tree.h"
 

@@ -10,7 +10,7 @@
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
 #include "../surface/irregular_triangles.h"
-#include "../../cvert/encoder/mesh_tile_conversion.h"
+#include "../../cvert/conversion/mesh_tile_conversion.h"
 
 namespace embree::isa {
 class MeshWriter {

@@ -10,8 +10,8 @@
 #include "../embree/scene.h"
 #include "../blocks/block_table.h"
 #include "../blocks/surface_blocks.h"
-#include "../../cvert/encoder/mesh_tile_conversion.h"
-#include "../../cvert/encoder/tile_conversion.h"
+#include "../../cvert/conversion/mesh_tile_conversion.h"
+#include "../../cvert/conversion/tile_conversion.h"
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
 

@@ -6,8 +6,8 @@
 /* Converts blocks to tiles (format/tile.h) and back, with the same vertices, edges and primitive numbers. */
 
 #include "../format/motion.h"
-#include "prim_id_encoder.h"
-#include "tile_encoder.h"
+#include "../encoder/prim_id_encoder.h"
+#include "../encoder/tile_encoder.h"
 
 namespace cvert { inline namespace CVERT_ISA {
 /*! Upper bound of the bytes that blockOfTile() writes, and for tileOfBlock(). */

@@ -7,7 +7,7 @@
 
 #include "../decoder/decoded_mesh.h"
 #include "../decoder/mesh_tile_view.h"
-#include "mesh_encoder.h"
+#include "../encoder/mesh_encoder.h"
 
 namespace cvert { inline namespace CVERT_ISA {
 /*! Upper bound of the bytes that tileOfMesh() writes: header and boxes, six arrays per group, numbers, padding. */
