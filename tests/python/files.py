@@ -6,7 +6,10 @@
 import errno
 import os
 import pathlib
+import pickle
 import re
+import subprocess
+import sys
 import tempfile
 import threading
 import unittest
@@ -40,6 +43,53 @@ class Files(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.path = os.path.join(folder.name, "sheet.cbvh")
+
+    def mappings(self):
+        with open("/proc/self/maps", encoding="utf-8") as maps:
+            return sum(line.rstrip().endswith(self.path) for line in maps)
+
+    def test_objects_of_files_are_pickled_as_paths_and_mapped_once(self):
+        ray = [[0.4, 0.4, 1]], [[0, 0, -1]]
+        heights = np.random.default_rng(1).uniform(0, 0.5, (40, 40))
+        for name, build, load in (
+            ("scene", lambda: cbvh.build(bumpy_model(), "cvert", 5), cbvh.load),
+            ("terrain", lambda: cbvh.terrain(heights, 0.1, (0, 2)), cbvh.Terrain.load),
+        ):
+            with self.subTest(name):
+                built = build()
+                built.save(self.path)
+                with self.assertRaisesRegex(TypeError, "in memory .*load"):
+                    pickle.dumps(built)
+                before = os.getcwd()
+                try:
+                    os.chdir(os.path.dirname(self.path))
+                    loaded = load(os.path.basename(self.path))
+                finally:
+                    os.chdir(before)
+                expected = loaded.intersect(*ray).t.tobytes()
+                stored = pickle.dumps(loaded)
+                self.assertLess(len(stored), 300)
+                del loaded, built
+                self.assertEqual(self.mappings(), 0)
+                copies = [pickle.loads(stored)]
+                once = self.mappings()
+                self.assertGreater(once, 0)
+                copies += [pickle.loads(stored) for _ in range(3)] + [pickle.loads(pickle.dumps(copies[0]))]
+                self.assertEqual(self.mappings(), once)
+                for copy in copies:
+                    self.assertEqual(copy.intersect(*ray).t.tobytes(), expected)
+                code = (
+                    "import pickle, sys; scene = pickle.load(sys.stdin.buffer); "
+                    f"print(scene.intersect(*{ray}).t.tobytes().hex())"
+                )
+                other = subprocess.run([sys.executable, "-c", code], input=stored, stdout=subprocess.PIPE, check=True)
+                self.assertEqual(other.stdout.decode().strip(), expected.hex())
+
+                # A file that was replaced is another one; the old one is still mapped.
+                os.rename(self.path, self.path + ".old")
+                with self.assertRaisesRegex(cbvh.Error, self.path):
+                    pickle.loads(stored)
+                os.rename(self.path + ".old", self.path)
 
     def test_loaded_scenes_match_saved_ones(self):
         origins, directions = rays_from_above()

@@ -233,6 +233,17 @@ class Scene:
         time: ArrayLike = 0.0,
         threads: int = 0,
     ) -> Flags: ...
+    def all_hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        tnear: ArrayLike = 0.0,
+        tfar: ArrayLike = ...,
+        *,
+        time: ArrayLike = 0.0,
+        max_hits: Optional[int] = None,
+        threads: int = 0,
+    ) -> Tuple[Hits, NDArray[np.int64]]: ...
     def closest_points(
         self, points: ArrayLike, radius: ArrayLike = ..., *, time: ArrayLike = 0.0, threads: int = 0
     ) -> Tuple[Floats, Hits]: ...

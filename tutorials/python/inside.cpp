@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "inside.h"
-
-#include "tracing/ray_conversion.h"
+#include "all_hits.h"
 
 #include <cmath>
+#include <vector>
 
 namespace programs::python {
 namespace {
@@ -17,19 +17,15 @@ constexpr Vec3f directions[3] = {{0.8253561f, 0.4317826f, 0.3639147f},
 
 /* Hits at the same distance or at adjacent floats count as one: they are at an edge. */
 bool crossesOddly(RTCScene scene, Vec3f point, Vec3f direction, float time) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  std::vector<RTCRayHit> hits;
+  findAllHits(scene, Ray{point, 0.0f, direction, INFINITY, time}, hits);
   bool isOdd = false;
-  for (float near = 0;;) {
-    RTCRayHit ray;
-    load(Ray{point, near, direction, INFINITY, time}, ray);
-    rtcIntersect1(scene, &context, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return isOdd;
-    isOdd = !isOdd;
-    /* Kernels move hits in the plane of a triangle to the start of the ray, which would hit it again. */
-    const float next = std::nextafter(ray.ray.tfar, INFINITY);
-    near = next > near ? next : std::nextafter(near, INFINITY);
+  float after = -INFINITY;
+  for (const RTCRayHit& hit : hits) {
+    if (hit.ray.tfar > after) isOdd = !isOdd;
+    after = std::nextafter(hit.ray.tfar, INFINITY);
   }
+  return isOdd;
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #include "classes.h"
 #include "interruptible.h"
 #include "json_objects.h"
+#include "open_files.h"
 #include "scene.h"
 
 #include "basics/error.h"
@@ -57,8 +58,9 @@ public:
            countText(saved->quads(), "quad") + ">";
   }
 
-  std::string path;
-  std::unique_ptr<const SavedScene> saved;
+  const std::string path;
+  const std::filesystem::path file = std::filesystem::absolute(path);
+  const std::unique_ptr<const SavedScene> saved;
 };
 
 std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads) {
@@ -68,14 +70,24 @@ std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int thr
   });
 }
 
+/* For pickle. */
+std::shared_ptr<LoadedScene> loadOnce(const std::filesystem::path& path) {
+  static OpenFiles<LoadedScene> files;
+  return files.get(path, [&] { return loadFile(path, 0); });
+}
+
 constexpr const char* loadText =
     R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.
 
 path: of the file, str or os.PathLike. The file must not be modified while it is open.
 threads: of the device, 0 for all.
 
-The scene has no model, but the same hits to the bit. The file is mapped: parts that no ray reaches stay on disk. Raises
-Error with the reason for a file that is truncated, altered, of another version, or not such a file.)";
+The scene has no model, but the same hits to the bit. The file is mapped: parts that no ray reaches stay on disk.
+
+pickle stores the absolute path instead of the scene. Processes that receive it, such as Dask's workers, open the file
+themselves, once for all copies.
+
+Raises Error with the reason for a file that is truncated, altered, of another version, or not such a file.)";
 
 } // namespace
 
@@ -87,7 +99,8 @@ void defineLoadedScene(py::module_& module) {
           "quads", [](const LoadedScene& s) { return s.saved->quads(); }, "Number of quads of all geometries.")
       .def_property_readonly(
           "open_seconds", [](const LoadedScene& s) { return s.saved->seconds(); },
-          "Time for opening the file and committing the scene, in seconds.");
+          "Time for opening the file and committing the scene, in seconds.")
+      .def(py::pickle([](const LoadedScene& s) { return s.file; }, &loadOnce));
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scene.h"
+#include "all_hits.h"
 #include "camera.h"
 #include "classes.h"
 #include "geometry_scene.h"
@@ -143,6 +144,10 @@ py::dict storedMeshOf(const Scene& scene, float time) {
   return result;
 }
 
+[[noreturn]] void refusePickle(const Scene& scene) {
+  throw py::type_error(scene.repr() + " is in memory and cannot be pickled: save it, and pickle what load() returns");
+}
+
 void save(const Scene& scene, const std::filesystem::path& path) {
   runBuild(py::none(), [&] { scene.save(path.string()); });
 }
@@ -256,7 +261,9 @@ void defineScene(py::module_& module) {
       .def_property_readonly(
           "bounds", [](const Scene& s) { return arrayOf(s.traced().bounds()); },
           "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
+      .def("__getstate__", &refusePickle)
       .def("__repr__", [](const Scene& s) { return stringOf(s.repr()); });
+  defineAllHits(scene);
   definePointQueries(scene);
 }
 

@@ -8,6 +8,7 @@
 #include "geometry_scene.h"
 #include "interruptible.h"
 #include "json_objects.h"
+#include "open_files.h"
 #include "terrain.h"
 
 #include "basics/error.h"
@@ -152,8 +153,21 @@ std::shared_ptr<Terrain> load(const fs::path& path, int threads) {
     const Georeference space = readGeoreference(georeferencePath(path));
     std::unique_ptr<const SavedScene> scene = std::make_unique<SavedScene>(path.string(), n);
     const double seconds = scene->seconds();
-    return std::make_shared<Terrain>(space, std::move(scene), seconds);
+    return std::make_shared<Terrain>(space, std::move(scene), seconds, fs::absolute(path));
   });
+}
+
+/* For pickle. */
+fs::path pickled(const Terrain& terrain) {
+  if (terrain.file.empty())
+    throw py::type_error(
+        "the terrain is in memory and cannot be pickled: save it, and pickle what Terrain.load() returns");
+  return terrain.file;
+}
+
+std::shared_ptr<Terrain> loadOnce(const fs::path& path) {
+  static OpenFiles<Terrain> files;
+  return files.get(path, [&] { return load(path, 0); });
 }
 
 /* --- building -------------------------------------------------------------------- */
@@ -254,7 +268,7 @@ std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell,
   if (!progress.is_none()) progress("terrain", 1.0);
   if (!(scene->bounds().lower.x <= scene->bounds().upper.x))
     throwValueError("heights", "has no triangle of three samples: expected heights that are not all missing");
-  return std::make_shared<Terrain>(space, std::move(scene), seconds);
+  return std::make_shared<Terrain>(space, std::move(scene), seconds, path ? fs::absolute(*path) : fs::path());
 }
 
 /* --- queries ----------------------------------------------------------------------- */
@@ -376,7 +390,8 @@ constexpr const char* loadText = R"(Opens a file that Terrain.save wrote, and re
 path: of the file, str or os.PathLike. It must not be modified while it is open.
 threads: of the device, 0 for all.
 
-The file is mapped: parts that no ray reaches stay on disk. Raises Error with the reason for invalid files.)";
+The file is mapped: parts that no ray reaches stay on disk. pickle stores the absolute path of a terrain in a file, as
+for scenes of embree_cbvh.load(). Raises Error with the reason for invalid files.)";
 
 } // namespace
 
@@ -392,6 +407,7 @@ void defineTerrain(py::module_& module) {
            py::kw_only(), arg("threads") = 0,
            "Returns (...) bool: True if the ray hits anything. Arguments and errors as in intersect.")
       .def("save", &save, arg("path"), saveText)
+      .def(py::pickle(&pickled, &loadOnce))
       .def("statistics", &statistics,
            "Returns statistics as a dict, with keys of Scene.statistics: quads, bytes_per_quad, live_bytes, "
            "build_seconds (without reading the raster) or open_seconds, and compression.")

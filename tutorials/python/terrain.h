@@ -12,6 +12,7 @@
 
 #include "building/traced_scene.h"
 
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -19,10 +20,13 @@ namespace programs::python {
 
 class Terrain {
 public:
-  Terrain(const Georeference& space, std::unique_ptr<const TracedScene> scene, double seconds)
+  /* file: absolute path, empty in memory. */
+  Terrain(const Georeference& space, std::unique_ptr<const TracedScene> scene, double seconds,
+          std::filesystem::path file)
     : space(space),
       scene(std::move(scene)),
-      seconds(seconds) {}
+      seconds(seconds),
+      file(std::move(file)) {}
 
   /* Throw Error and Canceled. `hits` has an element per ray. */
   void intersect(const RayArrays& rays, unsigned threads, TerrainHit* hits) const;
@@ -36,6 +40,7 @@ public:
   const Georeference space;
   const std::unique_ptr<const TracedScene> scene;
   const double seconds; // for building or opening it
+  const std::filesystem::path file;
 
 private:
   RayErrors errors;

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Ray queries and closest points of trimesh on meshes that libembree_cbvh stores compressed.
+"""Ray queries and closest points of trimesh on meshes that embree_cbvh stores compressed.
 
     mesh = trimesh.load("scan.ply")
     mesh.ray = RayMeshIntersector(mesh)
@@ -10,294 +10,76 @@
 
 The methods, their arguments and results are those of trimesh.ray.ray_pyembree, which returns 20 hits per ray at most:
 here, all hits are returned unless the caller sets max_hits. Hits are on the triangles of the mesh: vertices are stored
-exactly, as floats of 32 bits, like in embreex.
+exactly, as floats of 32 bits, like in embreex. Queries use all cores.
 
-It saves memory: docs/meshes.md has bytes per triangle, see its column "lossless". It does not save time: rays at
-irregular meshes take longer than in Embree, and a query runs on one thread. trimesh's own arrays, 36 bytes per triangle
-of a closed mesh, stay.
+It saves memory: docs/meshes.md has bytes per triangle, see its column "lossless". trimesh's own arrays, 36 bytes per
+triangle of a closed mesh, stay.
 """
 
-import ctypes
-import functools
-import itertools
-import weakref
-from pathlib import Path
+from typing import Any, Dict, Optional, Tuple
 
+import embree_cbvh as cbvh
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["ProximityQuery", "RayMeshIntersector"]
 
-NO_HIT = 0xFFFFFFFF
-PACKET = 16
-# Rows of RTCRayHit16, and words of RTCRayHit
-ORIGIN, NEAR, DIRECTION, FAR, MASK, PRIMITIVE, GEOMETRY, ROWS = slice(0, 3), 3, slice(4, 7), 8, 9, 17, 18, 20
-BEFORE_ALL = np.float32(-1)  # distance of no hit
-HANDLE = ctypes.c_void_p
-
-
-class Vertices(ctypes.Structure):
-    """CbvhVertices"""
-
-    _fields_ = [
-        ("num_vertices", ctypes.c_size_t),
-        ("stride", ctypes.c_size_t),
-        ("steps", ctypes.POINTER(ctypes.c_void_p)),
-        ("num_steps", ctypes.c_uint),
-        ("start_time", ctypes.c_float),
-        ("end_time", ctypes.c_float),
-    ]
-
-
-class Mesh(ctypes.Structure):
-    """CbvhMesh"""
-
-    _fields_ = [
-        ("struct_size", ctypes.c_size_t),
-        ("vertices_per_face", ctypes.c_uint),
-        ("num_faces", ctypes.c_size_t),
-        ("indices", ctypes.c_void_p),
-        ("vertices", Vertices),
-    ]
-
-
-class Statistics(ctypes.Structure):
-    """CbvhGroupStatistics"""
-
-    _fields_ = [
-        ("struct_size", ctypes.c_size_t),
-        ("bytes", ctypes.c_size_t),
-        ("num_quads", ctypes.c_size_t),
-        ("num_moving_quads", ctypes.c_size_t),
-        ("num_invalid_quads", ctypes.c_size_t),
-        ("max_vertex_deviation", ctypes.c_float),
-    ]
-
-
-class FilterArguments(ctypes.Structure):
-    """CbvhFilterArguments"""
-
-    _fields_ = [
-        ("valid", ctypes.POINTER(ctypes.c_int)),
-        ("user_ptr", ctypes.c_void_p),
-        ("rays", ctypes.POINTER(ctypes.c_float)),
-        ("hits", ctypes.c_void_p),
-        ("count", ctypes.c_uint),
-    ]
-
-
-FilterFunction = ctypes.CFUNCTYPE(None, ctypes.POINTER(FilterArguments))
-
-
-class Query(ctypes.Structure):
-    """CbvhQuery"""
-
-    _fields_ = [
-        ("struct_size", ctypes.c_size_t),
-        ("flags", ctypes.c_uint),
-        ("filter", FilterFunction),
-        ("filter_user_ptr", ctypes.c_void_p),
-    ]
-
-
-class PointQuery(ctypes.Structure):
-    """CbvhPointQuery"""
-
-    _fields_ = [
-        ("struct_size", ctypes.c_size_t),
-        ("point", ctypes.c_float * 3),
-        ("time", ctypes.c_float),
-        ("radius", ctypes.c_float),
-        ("function", ctypes.c_void_p),
-        ("user_ptr", ctypes.c_void_p),
-    ]
-
-
-# CbvhClosestPoint
-CLOSEST_POINT = np.dtype(
-    [
-        ("point", np.float32, 3),
-        ("distance", np.float32),
-        ("normal", np.float32, 3),
-        ("parameters", np.float32, 2),
-        ("primitive", np.uint32),
-        ("geometry", np.uint32),
-    ]
-)
-
-
-@functools.lru_cache(maxsize=None)
-def library():
-    """Loads the library of the wheel that contains this file, or the one that the dynamic linker finds."""
-    of_wheel = sorted(Path(__file__).parent.glob("lib/libembree_cbvh-*.so*"))
-    opened = ctypes.CDLL(str(of_wheel[0]) if of_wheel else "libembree_cbvh.so.0")
-    arguments = {
-        "cbvhNewContext": [ctypes.c_char_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.POINTER(HANDLE)],
-        "cbvhNewSurface": [HANDLE, ctypes.POINTER(HANDLE)],
-        "cbvhSetSurfaceMesh": [HANDLE, ctypes.POINTER(Mesh)],
-        "cbvhSetSurfaceLossless": [HANDLE, ctypes.c_int],
-        "cbvhCommitSurface": [HANDLE, ctypes.c_void_p, ctypes.c_void_p],
-        "cbvhNewGroup": [HANDLE, ctypes.POINTER(HANDLE), ctypes.c_size_t, ctypes.POINTER(HANDLE)],
-        "cbvhCommitGroup": [HANDLE],
-        "cbvhGetGroupStatistics": [HANDLE, ctypes.POINTER(Statistics)],
-        "cbvhIntersect1": [HANDLE, ctypes.c_void_p, ctypes.POINTER(Query)],
-        "cbvhIntersect16": [HANDLE, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p],
-        "cbvhPointQuery": [HANDLE, ctypes.POINTER(PointQuery), ctypes.c_void_p],
-        "cbvhReleaseSurface": [HANDLE],
-        "cbvhReleaseGroup": [HANDLE],
-    }
-    for name, types in arguments.items():
-        function = getattr(opened, name)
-        function.argtypes = types
-        if "Release" in name:
-            function.restype = None
-        elif "Intersect" in name or "PointQuery" in name:
-            function.restype = ctypes.c_uint
-        else:
-            function.errcheck = check
-    opened.cbvhGetErrorText.restype = ctypes.c_char_p
-    return opened
-
-
-def check(code, function, _):
-    if code:
-        raise RuntimeError(f"{function.__name__}: {library().cbvhGetErrorText().decode()}")
-
-
-@functools.lru_cache(maxsize=None)
-def context():
-    """Returns the context of all meshes, which lives as long as the process."""
-    result = HANDLE()
-    library().cbvhNewContext(None, None, None, ctypes.byref(result))
-    return result
-
-
-def after(distances):
-    """The next floats of 32 bits."""
-    return np.nextafter(distances, np.float32(np.inf))
-
-
-def aligned_zeros(shape, dtype):
-    """Kernels require packets aligned to 64 bytes."""
-    dtype = np.dtype(dtype)
-    size = int(np.prod(shape)) * dtype.itemsize
-    raw = np.zeros(size + 64, np.uint8)
-    start = -raw.ctypes.data % 64
-    return raw[start : start + size].view(dtype).reshape(shape)
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 
 class CompressedMesh:
-    """Triangles in a group of their own, traced with float32 rays."""
+    """Triangles in a scene of their own, traced with float32 rays. May have none."""
 
-    def __init__(self, vertices, faces):
-        # Embree reads 4 bytes beyond the last vertex.
-        points = np.zeros((len(vertices) + 1, 3), np.float32)
-        points[:-1] = vertices
-        indices = np.ascontiguousarray(faces, dtype=np.uint32)
-        steps = (ctypes.c_void_p * 1)(points.ctypes.data)
-        mesh = Mesh(ctypes.sizeof(Mesh), 3, len(indices), indices.ctypes.data, Vertices(len(vertices), 12, steps, 1))
-        api = library()
-        surface = HANDLE()
-        self.group = HANDLE()
-        api.cbvhNewSurface(context(), ctypes.byref(surface))
-        try:
-            api.cbvhSetSurfaceMesh(surface, mesh)
-            api.cbvhSetSurfaceLossless(surface, 1)
-            api.cbvhCommitSurface(surface, None, None)
-            api.cbvhNewGroup(context(), ctypes.byref(surface), 1, ctypes.byref(self.group))
-            weakref.finalize(self, api.cbvhReleaseGroup, self.group)
-            api.cbvhCommitGroup(self.group)
-        finally:  # the group keeps what it needs
-            api.cbvhReleaseSurface(surface)
+    def __init__(self, vertices: Doubles, faces: Integers) -> None:
+        finite = np.isfinite(vertices).all(axis=1)
+        self.triangles = np.nonzero(finite[faces].all(axis=1))[0]  # their indices in `faces`
+        self.scene: Optional[cbvh.Scene] = None
+        if len(self.triangles):
+            points = np.where(finite[:, None], vertices, 0)
+            self.scene = cbvh.Scene([cbvh.Mesh(points, faces[self.triangles], max_error=0)])
 
-    def memory_bytes(self):
-        result = Statistics(ctypes.sizeof(Statistics))
-        library().cbvhGetGroupStatistics(self.group, result)
-        return result.bytes
+    def memory_bytes(self) -> int:
+        return int(self.scene.statistics()["live_bytes"]) if self.scene else 0
 
-    def nearest(self, points):
+    def triangles_of(self, hits: cbvh.Hits) -> Integers:
+        """Indices of triangles; -1 for misses."""
+        hit = hits.hit
+        return np.where(hit, self.triangles[np.where(hit, hits.primID, 0)], -1)
+
+    def nearest(self, points: Doubles) -> Integers:
         """Returns the closest triangle of each point, or -1 if there is none."""
-        found = np.full(len(points), 0, CLOSEST_POINT)
-        found["primitive"] = NO_HIT
-        query = PointQuery(ctypes.sizeof(PointQuery), radius=np.inf)
-        coordinates = np.frombuffer(query, np.float32, 3, PointQuery.point.offset)
-        find, group, reference = library().cbvhPointQuery, self.group, ctypes.byref(query)
-        for point, address in zip(points, range(found.ctypes.data, found.ctypes.data + found.nbytes, found.itemsize)):
-            coordinates[:] = point
-            find(group, reference, address)
-        triangles = found["primitive"].astype(np.int64)
-        triangles[triangles == NO_HIT] = -1
-        return triangles
+        if not self.scene:
+            return np.full(len(points), -1)
+        return self.triangles_of(self.scene.closest_points(points)[1])
 
-    def closest(self, origins, directions, previous):
-        """Returns the triangle, or -1, and the distance of each ray's next hit.
+    def first(self, origins: Doubles, directions: Doubles) -> Tuple[Integers, Doubles]:
+        """Returns the triangle, or -1, and the distance of each ray's first hit."""
+        if not self.scene:
+            return np.full(len(origins), -1), np.full(len(origins), np.inf)
+        hits = self.scene.intersect(origins, directions)
+        return self.triangles_of(hits), hits.t.astype(np.float64)
 
-        previous: distances of the rays' hits before, or BEFORE_ALL. Hits at this distance or the next float are the
-        same hit as the one before.
+    def any(self, origins: Doubles, directions: Doubles) -> Flags:
+        """Returns True for rays that hit."""
+        return self.scene.occluded(origins, directions) if self.scene else np.zeros(len(origins), bool)
+
+    def all(self, origins: Doubles, directions: Doubles) -> Tuple[Integers, Integers, Doubles]:
+        """Returns rays, triangles and distances of all hits, ordered by ray, then by distance.
+
+        Hits of a ray at the same distance as the one before, or at the next float of 32 bits, are left out.
         """
-        near = np.where(previous < 0, np.float32(0), after(previous))
-        triangles, distances = self._closest_from(origins, directions, near)
-        # The kernels move hits of triangles in the plane of the ray to its start: it would hit them again and again.
-        for i in np.nonzero((triangles != -1) & (previous >= 0) & (distances <= near))[0]:
-            triangles[i], distances[i] = self._closest_beyond(origins[i], directions[i], near[i])
-        return triangles, distances
+        if not self.scene:
+            return np.zeros(0, int), np.zeros(0, int), np.zeros(0)
+        hits, rays = self.scene.all_hits(origins, directions)
+        same = np.zeros(len(rays), bool)
+        same[1:] = (rays[1:] == rays[:-1]) & (hits.t[1:] <= np.nextafter(hits.t[:-1], np.float32(np.inf)))
+        return rays[~same], self.triangles_of(hits)[~same], hits.t[~same].astype(np.float64)
 
-    def _closest_beyond(self, origin, direction, near):
-        """The same for one ray, without hits at `near`."""
-        ray = aligned_zeros(ROWS, np.float32)
-        ray[ORIGIN], ray[DIRECTION], ray[NEAR], ray[FAR] = origin, direction, near, np.inf
-        numbers = ray.view(np.uint32)
-        numbers[[MASK, PRIMITIVE, GEOMETRY]] = NO_HIT
-
-        def reject(arguments):
-            if arguments.contents.rays[FAR] <= near:
-                arguments.contents.valid[0] = 0
-
-        query = Query(ctypes.sizeof(Query), 0, FilterFunction(reject))
-        if not library().cbvhIntersect1(self.group, ray.ctypes.data, query):
-            return -1, np.inf
-        return numbers[PRIMITIVE], ray[FAR]
-
-    def _closest_from(self, origins, directions, near):
-        """The same for hits at `near` and beyond."""
-        count = len(origins)
-        packets = -(-count // PACKET)
-        rays = aligned_zeros((packets, ROWS, PACKET), np.float32)
-        numbers = rays.view(np.uint32)
-        valid = aligned_zeros((packets, PACKET), np.int32)
-
-        def rows(values):  # (count, k) to (packets, k, PACKET)
-            padded = np.zeros((packets * PACKET, values.shape[1]), np.float32)
-            padded[:count] = values
-            return padded.reshape(packets, PACKET, values.shape[1]).transpose(0, 2, 1)
-
-        rays[:, ORIGIN] = rows(origins)
-        rays[:, DIRECTION] = rows(directions)
-        rays[:, NEAR : NEAR + 1] = rows(near[:, None])
-        rays[:, FAR] = np.inf
-        numbers[:, MASK] = numbers[:, PRIMITIVE] = numbers[:, GEOMETRY] = NO_HIT
-        valid.reshape(-1)[:count] = -1
-
-        intersect, group = library().cbvhIntersect16, self.group
-        ray, ray_bytes = rays.ctypes.data, rays.strides[0]
-        mask, mask_bytes = valid.ctypes.data, valid.strides[0]
-        for packet in range(packets):
-            intersect(group, mask + packet * mask_bytes, ray + packet * ray_bytes, None)
-        triangles = numbers[:, PRIMITIVE].reshape(-1)[:count].astype(np.int64)
-        triangles[triangles == NO_HIT] = -1
-        return triangles, rays[:, FAR].reshape(-1)[:count].copy()
-
-
-class NoTriangles:
-    """A mesh without triangles, which the library rejects."""
-
-    def memory_bytes(self):
-        return 0
-
-    def nearest(self, points):
-        return np.full(len(points), -1, np.int64)
-
-    def closest(self, origins, directions, previous):
-        return np.full(len(origins), -1, np.int64), np.full(len(origins), np.inf, np.float32)
+    def contains(self, points: Doubles) -> Flags:
+        """Returns True for points inside of the mesh."""
+        return self.scene.contains(points) if self.scene else np.zeros(len(points), bool)
 
 
 class Placement:
@@ -308,24 +90,29 @@ class Placement:
     MARGIN = 0.25
     ROUNDING = 1e-6  # of vertices and rays in the scene, as a part of the diagonal; at most a few times 2**-24
 
-    def __init__(self, corners, scale_to_box):
+    def __init__(self, corners: Doubles, scale_to_box: bool) -> None:
         self.origin, size = np.zeros(3), np.zeros(3)
         if len(corners):
             self.origin = corners.min(axis=0)
             size = corners.max(axis=0) - self.origin
-        diagonal = np.linalg.norm(size)
+        diagonal = float(np.linalg.norm(size))
         self.scale = 100 / diagonal if scale_to_box and diagonal > 0 else 1.0
         self.rounding = self.ROUNDING * diagonal * self.scale
         margin = self.MARGIN * diagonal
         self.lower, self.upper = np.full(3, -margin) * self.scale, (size + margin) * self.scale
 
-    def to_scene(self, points):
+    def to_scene(self, points: Doubles) -> Doubles:
         return (points - self.origin) * self.scale
 
-    def to_mesh(self, points):
+    def to_mesh(self, points: Doubles) -> Doubles:
         return points / self.scale + self.origin
 
-    def entries(self, origins, directions):
+    def encloses(self, points: Doubles) -> Flags:
+        """True for points, in the scene, in its box with the margin."""
+        inside: Flags = ((points >= self.lower) & (points <= self.upper)).all(axis=1)
+        return inside
+
+    def entries(self, origins: Doubles, directions: Doubles) -> Doubles:
         """Distances along the rays, in the scene, to its box with a margin: 0 from inside, infinity for misses."""
         parallel = np.abs(directions) < 1e-300
         between = (origins >= self.lower) & (origins <= self.upper)
@@ -335,21 +122,22 @@ class Placement:
         first, last = np.minimum(first, last), np.maximum(first, last)
         first = np.where(parallel, np.where(between, -np.inf, np.inf), first)
         last = np.where(parallel, np.where(between, np.inf, -np.inf), last)
-        entry = np.maximum(first.max(axis=1), 0)
+        entry: Doubles = np.maximum(first.max(axis=1), 0)
         return np.where(entry <= last.min(axis=1), entry, np.inf)
 
 
-def unit(vectors):
+def unit(vectors: Doubles) -> Doubles:
     """Directions of length 1; NaN for vectors of length 0 and vectors that are not finite."""
     with np.errstate(all="ignore"):
         vectors = vectors / np.abs(vectors).max(axis=-1, keepdims=True)  # so that no square under- or overflows
-        return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+        result: Doubles = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return result
 
 
-def on_triangles(points, corners, tolerance):
+def on_triangles(points: Doubles, corners: Doubles, tolerance: float) -> Flags:
     """True if the point is in the triangle or next to it; False for triangles of no area. corners: (n, 3, 3)."""
-    near = (points >= corners.min(axis=1) - tolerance) & (points <= corners.max(axis=1) + tolerance)
-    near = near.all(axis=1)
+    in_box = (points >= corners.min(axis=1) - tolerance) & (points <= corners.max(axis=1) + tolerance)
+    near: Flags = in_box.all(axis=1)
     following = np.roll(corners, -1, axis=1) - corners
     normals = unit(np.cross(following[:, 0], following[:, 1]))
     for i in range(3):
@@ -358,14 +146,15 @@ def on_triangles(points, corners, tolerance):
     return near
 
 
-def closest_on_triangles(points, corners):
+def closest_on_triangles(points: Doubles, corners: Doubles) -> Doubles:
     """Returns the closest points of triangles (n, 3, 3) in double precision: of edges, or projections to planes."""
 
-    def of_edge(begin, end):
+    def of_edge(begin: Doubles, end: Doubles) -> Doubles:
         edge = end - begin
         with np.errstate(all="ignore"):
             at = ((points - begin) * edge).sum(axis=1) / (edge * edge).sum(axis=1)
-        return begin + np.clip(np.nan_to_num(at), 0, 1)[:, None] * edge
+        nearest: Doubles = begin + np.clip(np.nan_to_num(at), 0, 1)[:, None] * edge
+        return nearest
 
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     normals = np.cross(b - a, c - a)
@@ -378,32 +167,35 @@ def closest_on_triangles(points, corners):
     candidates = np.stack([of_edge(a, b), of_edge(b, c), of_edge(c, a), np.where(inside[:, None], projected, np.inf)])
     with np.errstate(all="ignore"):
         nearest = np.linalg.norm(candidates - points, axis=2).argmin(axis=0)
-    return candidates[nearest, np.arange(len(points))]
+    result: Doubles = candidates[nearest, np.arange(len(points))]
+    return result
 
 
 class RayMeshIntersector:
     """The interface of trimesh.ray.ray_pyembree.RayMeshIntersector."""
 
-    def __init__(self, geometry, scale_to_box=True):
+    def __init__(self, geometry: Any, scale_to_box: bool = True) -> None:
         """geometry: a Trimesh. scale_to_box: scales the mesh to a size of about 100 before tracing."""
         self.mesh = geometry
         self._scale_to_box = scale_to_box
-        self._built = None
+        self._built: Optional[Tuple[int, CompressedMesh, Placement]] = None
 
-    def _scene(self):
+    def _scene(self) -> Tuple[CompressedMesh, Placement]:
         """The compressed mesh and its placement. Built again after a change of the mesh."""
         key = hash(self.mesh)
         if self._built is None or self._built[0] != key:
             vertices = np.asarray(self.mesh.vertices, dtype=np.float64)
+            faces = np.asarray(self.mesh.faces, dtype=np.int64)
             used = np.zeros(len(vertices), bool)
-            used[np.asarray(self.mesh.faces, dtype=np.int64)] = True
+            used[faces] = True
             placement = Placement(vertices[used & np.isfinite(vertices).all(axis=1)], self._scale_to_box)
-            faces = self.mesh.faces
-            scene = CompressedMesh(placement.to_scene(vertices), faces) if len(faces) else NoTriangles()
-            self._built = key, scene, placement
+            placed = np.where(used[:, None], placement.to_scene(vertices), 0)
+            self._built = key, CompressedMesh(placed, faces), placement
         return self._built[1:]
 
-    def _prepare(self, ray_origins, ray_directions):
+    def _prepare(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike
+    ) -> Tuple[CompressedMesh, Placement, Integers, Doubles, Doubles]:
         """Returns the scene, its placement, and the rays that reach its box: their indices, origins and directions.
 
         Origins far outside of the box move along their rays towards it, in double precision: far from the mesh, floats
@@ -422,60 +214,77 @@ class RayMeshIntersector:
         directions = directions[rays]
         return scene, placement, rays, origins[rays] + entries[rays, None] * directions, directions
 
-    def memory_bytes(self):
+    def memory_bytes(self) -> int:
         """Memory of the triangles and their tree."""
         return self._scene()[0].memory_bytes()
 
-    def intersects_first(self, ray_origins, ray_directions):
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Integers:
         """Returns (n,) int64: the first triangle that each ray hits, or -1."""
         scene, _, rays, origins, directions = self._prepare(ray_origins, ray_directions)
-        first = np.full(len(ray_origins), -1, np.int64)
-        first[rays] = scene.closest(origins, directions, np.full(len(origins), BEFORE_ALL))[0]
+        first = np.full(len(np.asarray(ray_origins)), -1)
+        first[rays] = scene.first(origins, directions)[0]
         return first
 
-    def intersects_any(self, ray_origins, ray_directions):
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Flags:
         """Returns (n,) bool: True if the ray hits the mesh."""
-        return self.intersects_first(ray_origins, ray_directions) != -1
+        scene, _, rays, origins, directions = self._prepare(ray_origins, ray_directions)
+        hit = np.zeros(len(np.asarray(ray_origins)), bool)
+        hit[rays] = scene.any(origins, directions)
+        return hit
 
-    def intersects_id(self, ray_origins, ray_directions, multiple_hits=True, max_hits=None, return_locations=False):
+    def _hits(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike, max_hits: Optional[int]
+    ) -> Tuple[Integers, Integers, Doubles]:
+        """Returns triangles (m,), rays (m,) and locations (m, 3), ordered by ray, then by distance."""
+        scene, placement, rays, origins, directions = self._prepare(ray_origins, ray_directions)
+        if max_hits == 1:
+            triangles, distances = scene.first(origins, directions)
+            of_hits = np.nonzero(triangles != -1)[0]
+            triangles, distances = triangles[of_hits], distances[of_hits]
+        else:
+            of_hits, triangles, distances = scene.all(origins, directions)
+        if max_hits is not None:
+            number = np.arange(len(of_hits)) - np.searchsorted(of_hits, of_hits)  # along its ray, from 0
+            near = number < max_hits
+            of_hits, triangles, distances = of_hits[near], triangles[near], distances[near]
+        locations = self._locations(placement, triangles, origins[of_hits], directions[of_hits], distances)
+        return triangles, rays[of_hits], locations
+
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = True,
+        max_hits: Optional[int] = None,
+        return_locations: bool = False,
+    ) -> Tuple[NDArray[Any], ...]:
         """Returns the triangles and the rays of all hits, and if requested their locations.
 
         max_hits: most hits per ray, the closest ones; None for all. Hits of one ray at the same distance, or at
         adjacent floats of 32 bits, for example at an edge, count as one.
         """
-        scene, placement, rays, origins, directions = self._prepare(ray_origins, ray_directions)
-        active = np.arange(len(origins))
-        previous = np.full(len(origins), BEFORE_ALL)
-        hits = []  # (triangles, indices of their rays, distances)
-        for _ in range(1) if not multiple_hits else itertools.count() if max_hits is None else range(max_hits):
-            found, distances = scene.closest(origins[active], directions[active], previous[active])
-            hit = found != -1
-            active = active[hit]
-            if len(active) == 0:
-                break
-            hits.append((found[hit], active, distances[hit]))
-            previous[active] = distances[hit]
-        hits.append((np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.float32)))
-        triangles, of_hits, distances = map(np.concatenate, zip(*hits))
-        if not return_locations:
-            return triangles, rays[of_hits]
-        locations = self._locations(placement, triangles, origins[of_hits], directions[of_hits], distances)
-        return triangles, rays[of_hits], locations
+        found = self._hits(ray_origins, ray_directions, max_hits if multiple_hits else 1)
+        return found if return_locations else found[:2]
 
-    def intersects_location(self, ray_origins, ray_directions, multiple_hits=True):
+    def intersects_location(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True
+    ) -> Tuple[Doubles, Integers, Integers]:
         """Returns locations (m, 3), rays (m,) and triangles (m,) of all hits."""
-        index_tri, index_ray, locations = self.intersects_id(
-            ray_origins, ray_directions, multiple_hits=multiple_hits, return_locations=True
-        )
-        return locations, index_ray, index_tri
+        triangles, rays, locations = self._hits(ray_origins, ray_directions, None if multiple_hits else 1)
+        return locations, rays, triangles
 
-    def contains_points(self, points):
-        """Returns (n,) bool: True if the point is inside of the mesh, which must be closed."""
-        from trimesh.ray.ray_util import contains_points
+    def contains_points(self, points: ArrayLike) -> Flags:
+        """Returns (n,) bool: True if the point is inside of the mesh, which must be closed.
 
-        return contains_points(self, points)
+        Points are rounded to floats of 32 bits in the scene.
+        """
+        scene, placement = self._scene()
+        placed = placement.to_scene(np.asarray(points, dtype=np.float64).reshape(-1, 3))
+        inside = placement.encloses(placed)
+        inside[inside] = scene.contains(placed[inside])
+        return inside
 
-    def closest_points(self, points):
+    def closest_points(self, points: ArrayLike) -> Tuple[Doubles, Doubles, Integers]:
         """Returns the closest points of the mesh (n, 3), their distances (n,) and triangles (n,) int64.
 
         The closest triangle is that of the point rounded to floats of 32 bits in the scene; position and distance are
@@ -495,7 +304,9 @@ class RayMeshIntersector:
         closest[found] = first + offsets
         return closest, distances, triangles
 
-    def _locations(self, placement, triangles, origins, directions, distances):
+    def _locations(
+        self, placement: Placement, triangles: Integers, origins: Doubles, directions: Doubles, distances: Doubles
+    ) -> Doubles:
         """Where rays hit the planes of their triangles, in double precision.
 
         A triangle of no area, or of almost none, has no such plane. The location is then where the ray was traced to,
@@ -508,25 +319,25 @@ class RayMeshIntersector:
             along = (normals * (corners[:, 0] - origins)).sum(axis=1) / (normals * directions).sum(axis=1)
             points = origins + along[:, None] * directions
             exact = on_triangles(points, corners, placement.rounding)
-        traced = origins + distances[:, None].astype(np.float64) * directions
+        traced = origins + distances[:, None] * directions
         return placement.to_mesh(np.where(exact[:, None], points, traced))
 
-    def __getstate__(self):
+    def __getstate__(self) -> Dict[str, Any]:
         return dict(self.__dict__, _built=None)
 
 
 class ProximityQuery:
     """The interface of trimesh.proximity.ProximityQuery, for points on the surface."""
 
-    def __init__(self, mesh, rays=None):
+    def __init__(self, mesh: Any, rays: Optional[RayMeshIntersector] = None) -> None:
         """mesh: a Trimesh. rays: its RayMeshIntersector, whose compressed mesh is used. None makes one."""
         self._rays = rays or RayMeshIntersector(mesh)
 
-    def on_surface(self, points):
+    def on_surface(self, points: ArrayLike) -> Tuple[Doubles, Doubles, Integers]:
         """Returns the closest points of the mesh (n, 3), their distances (n,) and triangles (n,) int64."""
         return self._rays.closest_points(points)
 
-    def signed_distance(self, points):
+    def signed_distance(self, points: ArrayLike) -> Doubles:
         """Returns (n,) distances, positive inside of the mesh, which must be closed, negative outside."""
         distances = self._rays.closest_points(points)[1]
         inside = self._rays.contains_points(points)
