@@ -45,12 +45,30 @@ done
 "$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr ||
   complain "parts of a loaded file differ from the whole picture"
 
-# The command of docs/scale.md for joining parts.
-if command -v oiiotool > /dev/null; then
-  oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&
-    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" > "$folder/diff.txt" ||
-    complain "oiiotool: $(cat "$folder/diff.txt")"
-fi
+# --join restores all channels of the whole picture, and 8-bit pictures.
+parts=()
+for crop in 0,0,61,11 0,11,61,12 0,12,61,47; do
+  render "rows.$crop" --scene cube --crop "$crop"
+  parts+=("$folder/rows.$crop/cube_ctile")
+done
+"$program" --join "$folder/joined.exr" "${parts[@]/%/.exr}" || complain "--join of OpenEXR"
+"$program" --size 61x47 --join "$folder/joined.png" "${parts[@]/%/.png}" || complain "--join of PNG"
+"$join" "$folder/still/cube_ctile.exr" "$folder/joined.exr" || complain "the joined picture differs from the whole one"
+
+expect_refusal "rows.0,12,.*: begins at row 12: expected row 11, after the part before" \
+  --join "$folder/none.exr" "${parts[0]}.exr" "${parts[2]}.exr"
+expect_refusal "rows.0,11,.*: begins at row 11: expected row 0" --join "$folder/none.exr" "${parts[1]}.exr"
+expect_refusal "rows.0,11,.*: ends at row 12 of 47: expected all rows" \
+  --join "$folder/none.exr" "${parts[0]}.exr" "${parts[1]}.exr"
+expect_refusal "30 of 61 columns: expected whole rows" \
+  --join "$folder/none.exr" "$folder/still.0,0,30,20/cube_ctile.exr"
+expect_refusal "the parts have 61 x 12 pixels: expected 61 x 47" \
+  --size 61x47 --join "$folder/none.png" "${parts[0]}.png" "${parts[1]}.png"
+expect_refusal "cube_ctile.png: has other channels than the first part" \
+  --join "$folder/none.exr" "${parts[0]}.exr" "${parts[1]}.png"
+expect_refusal "missing.exr: cannot be read" --join "$folder/none.exr" "$folder/missing.exr"
+expect_refusal "joined.png" --join "$folder/joined.png" "$folder/joined.png"
+[ ! -e "$folder/none.exr" ] && [ ! -e "$folder/none.png" ] || complain "--join wrote a file"
 
 for wrong in 0,0,30 0,0,30,20,1 0,0,30,x 0.5,0,30,20; do
   expect_refusal "crop '$wrong'.*x0,y0,x1,y1" --scene cube "${picture[@]}" --crop "$wrong" --output "$folder/none"

@@ -7,6 +7,7 @@
 #include "saved_scene_picture.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
+#include "pictures/joined_picture.h"
 #include "programs/outputs.h"
 #include "programs/run_program.h"
 
@@ -15,6 +16,11 @@ namespace {
 int run(int argc, char** argv) {
   const std::optional<programs::Options> options = programs::parseOptions(argc, argv);
   if (!options) return 0;
+  if (!options->join.empty()) {
+    const std::vector<std::string> parts(options->join.begin() + 1, options->join.end());
+    programs::joinPictures(parts, options->hasSize ? std::optional(options->size) : std::nullopt, options->join[0]);
+    return 0;
+  }
   programs::installCancelHandler();
   programs::forceExitAfterCancel("cbvh_render");
   programs::prepareOutputFolder(options->output);

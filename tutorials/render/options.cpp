@@ -72,6 +72,11 @@ void declarePictures(CLI::App& app, Options& o, OptionTexts& texts) {
       ->type_name("FILE");
   app.add_option("--load", o.loadPath, "instead of files and scenes: file that --save wrote, with any name")
       ->type_name("FILE");
+  app.add_option("--join", o.join,
+                 "instead of rendering: join pictures of --crop, whole rows from top to bottom, into FILE; with "
+                 "--size, it must have this size")
+      ->type_name("FILE PART...")
+      ->expected(2, 1 << 20);
   app.add_flag("--exr", o.exr,
                "also write linear colors and hits as OpenEXR: position, distance, normal, u, v and primID");
 }
@@ -128,6 +133,9 @@ void chooseLevel(const CLI::App& app, const OptionTexts& texts, Options& o) {
 }
 
 void read(const CLI::App& app, const OptionTexts& texts, Options& o) {
+  o.size = parseImageSize(texts.size);
+  o.hasSize = app.count("--size") != 0;
+  if (!o.join.empty()) return;
   if (o.loadPath.empty()) {
     applyFileArguments(texts.files, o.scene);
     o.loadPath = o.scene.savedPath;
@@ -149,7 +157,6 @@ void read(const CLI::App& app, const OptionTexts& texts, Options& o) {
   requireNotNegative("--ray-offset", o.rayOffset);
   o.scene.threads = o.build.threads;
   o.colors = texts.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
-  o.size = parseImageSize(texts.size);
   o.crop = parseCrop(texts.crop, o.size);
   o.shutter = parseShutter(texts.shutter);
   const bool isMesh = !o.scene.meshPath.empty(), moves = !o.scene.motion.empty() || !o.scene.cageEnds.empty();

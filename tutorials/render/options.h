@@ -23,6 +23,7 @@ struct Options {
   BuildSettings build;
   std::string view = "full"; // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
+  bool hasSize = false; // it was given
   Crop crop;
   std::string output = "cbvh_render_output";
   HitColors colors = HitColors::Neutral;
@@ -32,6 +33,7 @@ struct Options {
   bool details = false;           // all rows of the table
   std::string json;               // empty for none
   std::string savePath, loadPath; // to save the compressed scene, or to open instead of a scene
+  std::vector<std::string> join;  // instead of rendering: a picture, and its parts
   std::string exportPath;         // OBJ of the surface as cVERT stores it
   size_t rays = 500000;           // per set, at most, for speed
   int repeat = 5;
