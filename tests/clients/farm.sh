@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# A picture in eight parts by Slurm, of which one is killed, is the picture of one process, bit for bit. So is a raster
-# in eight parts by Slurm, by GNU parallel and by MPI.
+# Slurm renders a picture in eight parts, and one part is killed. Slurm, GNU parallel and MPI compute a raster in eight
+# parts. The joined picture and rasters equal those of one process, bit for bit.
 #
 #   farm.sh SCRIPTS-FOLDER CBVH_RENDER CBVH_TERRAIN
 #
