@@ -9,6 +9,7 @@ dask_example.py EXAMPLE
 import importlib
 import os
 import signal
+import subprocess
 import sys
 import tempfile
 
@@ -41,7 +42,16 @@ def main():
         assert all(np.isfinite(part).all() for part in expected)
         assert 0.05 < np.ptp(np.concatenate([part.ravel() for part in expected]))
 
+        def run(*options):
+            """Runs the program."""
+            output = os.path.join(folder, "factors.npy")
+            subprocess.run([sys.executable, "-B", sys.argv[1], path, output, "--tile", "50", *options], check=True)
+            factors = np.load(output)
+            for tile, part in zip(tiles, expected):
+                assert factors[tile].tobytes() == part.tobytes(), tile
+
         dask.config.set({"temporary-directory": folder})
+        run()
         with dask.distributed.Client(n_workers=3, threads_per_worker=1, dashboard_address=None) as client:
             futures = example.submit(client, path, SIZE, 1.0)
             first = next(iter(dask.distributed.as_completed(futures)))
@@ -49,6 +59,7 @@ def main():
             os.kill(client.run(os.getpid, workers=[killed])[killed], signal.SIGKILL)
             found = client.gather(futures)
             assert killed not in client.scheduler_info()["workers"], "the worker lives"
+            run("--scheduler", client.scheduler.address)
         for tile, a, b in zip(tiles, expected, found):
             assert a.tobytes() == b.tobytes(), tile
     print(len(tiles), "tiles are equal,", killed, "was killed")

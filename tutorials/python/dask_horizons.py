@@ -71,7 +71,8 @@ def main() -> None:
     options = parser.parse_args()
     shape = cbvh.Terrain.load(options.terrain).shape
     factors = np.empty(shape, np.float32)
-    with dask.distributed.Client(options.scheduler, threads_per_worker=1, dashboard_address=None) as client:
+    local = {} if options.scheduler else {"threads_per_worker": 1, "dashboard_address": None}
+    with dask.distributed.Client(options.scheduler, **local) as client:
         futures = submit(client, options.terrain, options.tile, options.above)
         for tile, future in zip(tiles_of(shape, options.tile), futures):
             factors[tile] = future.result()
