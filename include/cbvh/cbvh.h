@@ -384,8 +384,8 @@ typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
 /* Tessellates and compresses a surface with all threads of the context, and releases its input. Does nothing if no
  * input was set since the last commit and the accuracy is unchanged. Rays of a group hit the new surface after the next
- * cbvhCommitGroup. Quads with vertices that are not finite, and quads of a mesh with an index past the vertices, are
- * left out; CbvhGroupStatistics counts them, and cbvhCommitGroup reports some (see there).
+ * cbvhCommitGroup. Triangles with a vertex that is not finite are left out, in cGRID, cVOXEL and cLEAF their quads; so
+ * are quads of a mesh with an index past the vertices. CbvhGroupStatistics counts quads, cbvhCommitGroup reports some.
  *
  * progress: may be NULL.
  * userPtr:  passed to the progress function.
@@ -710,8 +710,8 @@ struct CbvhGroupStatistics {
                                            * without the attributes of cages */
   size_t numQuads CBVH_ZERO;              /* of the tessellation; two triangles of a mesh count as a quad */
   size_t numMovingQuads CBVH_ZERO;        /* quads with several time steps */
-  size_t numInvalidQuads CBVH_ZERO;       /* quads that were left out because a vertex is not finite, or an index of
-                                           * a mesh is past the vertices */
+  size_t numInvalidQuads CBVH_ZERO;       /* quads with a vertex that is not finite, or with an index of a mesh past the
+                                           * vertices, which were left out as a whole or in part */
   float maxVertexDeviation CBVH_ZERO;     /* world units: largest distance by which a vertex was moved */
   size_t firstInvalidSurface CBVH_ZERO;   /* if numInvalidQuads is not 0: index of the first surface with such quads
                                            * that was not loaded from a file, or CBVH_NONE */
