@@ -52,14 +52,18 @@ OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format) 
   return isOnPage || full.width() < 1 || full.height() < 1 ? data : full;
 }
 
-/* Value that OpenImageIO maps to 1. */
+/* Bits of a sample in the file: fewer than its type has if a TIFF file has packed integers. */
+int bitsOf(const OIIO::ImageSpec& spec) {
+  const int bits = int(8 * spec.format.size());
+  return std::clamp(spec.get_int_attribute("oiio:BitsPerSample", bits), 1, bits);
+}
+
+/* Sample of the file that OpenImageIO maps to 1. It stretches unsigned integers to the range of their type. */
 float unitOf(const OIIO::ImageSpec& spec) {
+  if (isUnsigned(spec.format)) return float(std::ldexp(1.0, bitsOf(spec)) - 1);
   switch (spec.format.basetype) {
-  case OIIO::TypeDesc::UINT8: return std::numeric_limits<uint8_t>::max();
   case OIIO::TypeDesc::INT8: return std::numeric_limits<int8_t>::max();
-  case OIIO::TypeDesc::UINT16: return std::numeric_limits<uint16_t>::max();
   case OIIO::TypeDesc::INT16: return std::numeric_limits<int16_t>::max();
-  case OIIO::TypeDesc::UINT32: return float(std::numeric_limits<uint32_t>::max());
   case OIIO::TypeDesc::INT32: return float(std::numeric_limits<int32_t>::max());
   default: return spec.get_float_attribute(PnmImage::maximumAttribute, 1.0f);
   }
@@ -196,7 +200,7 @@ std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const {
     return {};    // NaN always means missing
   if (isFloating) // a float cannot hold the lowest double
     return from.format == OIIO::TypeDesc::DOUBLE || std::abs(value) <= FLT_MAX ? value : std::copysign(INFINITY, value);
-  const int bits = from.get_int_attribute("oiio:BitsPerSample", int(8 * from.format.size()));
+  const int bits = bitsOf(from);
   const double most = std::ldexp(1.0, isUnsigned(from.format) ? bits : bits - 1) - 1;
   const double least = isUnsigned(from.format) ? 0 : -most - 1;
   if (!(value >= least && value <= most) || value != std::floor(value)) return {}; // no sample can have this value

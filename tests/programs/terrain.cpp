@@ -107,6 +107,36 @@ TEST_F(Terrain, SamplesOfPgmAreHeightsWhateverTheMaximum) {
   }
 }
 
+/* Packs samples as TIFF does, in whole bytes per row. */
+std::string packed(int width, int height, unsigned bits, const std::function<unsigned(int x, int y)>& sampleAt) {
+  std::string bytes;
+  for (int y = 0; y < height; y++) {
+    unsigned buffer = 0, count = 0;
+    for (int x = 0; x < width; x++) {
+      buffer = buffer << bits | sampleAt(x, y);
+      for (count += bits; count >= 8; count -= 8) bytes += char(buffer >> (count - 8));
+      buffer &= (1u << count) - 1;
+    }
+    if (count) bytes += char(buffer << (8 - count));
+  }
+  return bytes;
+}
+
+TEST_F(Terrain, IntegersOfAnyNumberOfBitsAreHeights) {
+  const auto heightAt = [](int x, int y) { return unsigned(x * 7 + y * 5 + x * y) % 16; };
+  const std::string options = " --cell 2 --azimuths 4";
+  const Picture expected = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 13, 11, heightAt) + options);
+  for (const unsigned bits : {4, 6, 8, 10, 12, 14}) {
+    test::TiffLayout layout;
+    layout.width = 13;
+    layout.height = 11;
+    layout.bits = bits;
+    const std::string path = folder + "/packed" + std::to_string(bits) + ".tif";
+    test::writeTiff(path, layout, packed(13, 11, bits, heightAt));
+    EXPECT_EQ(run(path + options).values, expected.values) << bits;
+  }
+}
+
 TEST_F(Terrain, FlatTerrainSeesTheWholeSky) {
   for (double height : {0.0, -3.0, 1234.5}) {
     const Picture picture =
