@@ -14,7 +14,7 @@
 #   sbatch --array=0-7 scripts/farm.sh body 8 4096x4096 \
 #     cbvh_render --load body.cbvh --size 4096x4096 --crop '{crop}' --exr --output '{output}'
 #   mpirun -n 8 scripts/farm.sh ...
-#   seq 0 7 | parallel FARM_PART={} scripts/farm.sh ...
+#   seq 0 7 | parallel --quote env FARM_PART={} scripts/farm.sh ...
 #
 # Files of a part are in FOLDER/part-NUMBER as soon as the command has succeeded. Repeat the whole call after failures:
 # parts that are finished are not computed again. Slurm copies this script, so it uses no other file.
@@ -31,14 +31,19 @@ usage() {
   exit 2
 }
 
+# No leading zeros: the shell takes them for octal numbers
 isNumber() {
   case $1 in
-    "" | *[!0-9]*) return 1 ;;
+    "" | *[!0-9]* | 0?*) return 1 ;;
   esac
 }
 
 # readSize WIDTHxHEIGHT: sets width and height, or fails
 readSize() {
+  case $1 in
+    *x*) ;;
+    *) return 1 ;;
+  esac
   width=${1%x*}
   height=${1#*x}
   isNumber "$width" && isNumber "$height" && [ "$height" -ge "$parts" ]
@@ -100,9 +105,17 @@ fi
 mkdir -p "$folder"
 output=$(mktemp -d "$folder/unfinished-$part-XXXXXX")
 chmod +rx "$output" # as far as umask allows
+child=
+stop() {
+  [ -z "$child" ] || {
+    kill "$child" 2> /dev/null || true
+    wait "$child" || true
+  }
+  exit "$1"
+}
 trap 'rm -rf "$output"' EXIT
-trap 'exit 143' TERM
-trap 'exit 130' INT
+trap 'stop 143' TERM
+trap 'stop 130' INT
 
 # replace TEXT NAME VALUE: sets text, in which VALUE stands for each {NAME}
 replace() {
@@ -129,6 +142,9 @@ while [ "$count" -gt 0 ]; do
   set -- "$@" "$text"
   count=$((count - 1))
 done
-"$@" || fail "part $part failed with exit status $?"
+"$@" &
+child=$!
+wait "$child" || fail "part $part failed with exit status $?"
+child=
 # Another run may have finished the part meanwhile.
 mv -T "$output" "$finished" 2> /dev/null || [ -d "$finished" ] || fail "$finished cannot be made"

@@ -15,6 +15,8 @@ namespace {
 
 std::string sizeText(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
+constexpr const char* unassociated = "oiio:UnassociatedAlpha"; // otherwise OpenImageIO multiplies colors by alpha
+
 /* The parts read so far. */
 struct Rows {
   OIIO::ImageSpec spec; // of the first part; its height is that of all parts
@@ -35,7 +37,9 @@ void requireSameKind(const OIIO::ImageSpec& first, const OIIO::ImageSpec& part, 
 
 void append(const std::string& path, Rows& rows) {
   recordInputFile(path);
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
+  OIIO::ImageSpec config;
+  config.attribute(unassociated, 1);
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path, &config);
   if (!input) throw Error(path + ": cannot be read: " + OIIO::geterror());
   const OIIO::ImageSpec part = input->spec();
   if (part.width != part.full_width && part.full_width > 0)
@@ -51,7 +55,8 @@ void append(const std::string& path, Rows& rows) {
                 std::to_string(expected - part.full_y) + ", after the part before");
   const size_t begin = rows.bytes.size();
   rows.bytes.resize(begin + part.image_bytes(true));
-  if (!input->read_image(0, 0, 0, -1, OIIO::TypeUnknown, rows.bytes.data() + begin))
+  /* For truncated files, some readers fill in the rest and only leave a message. */
+  if (!input->read_image(0, 0, 0, -1, OIIO::TypeUnknown, rows.bytes.data() + begin) || input->has_error())
     throw Error(path + ": cannot be read: " + input->geterror());
   if (!isFirst) rows.spec.height += part.height;
 }
@@ -72,6 +77,7 @@ void joinPictures(const std::vector<std::string>& parts, std::optional<ImageSize
   if (size && (spec.width != size->width || spec.height != size->height))
     throw Error("the parts have " + sizeText(spec.width, spec.height) + " pixels: expected " +
                 sizeText(size->width, size->height));
+  spec.attribute(unassociated, 1);
   writeImageFile(path, spec, OIIO::TypeUnknown, rows.bytes.data());
 }
 

@@ -92,6 +92,8 @@ std::string rejectionOf(OIIO::ImageInput& source, const std::string& path, bool 
   /* OpenImageIO 2.4 reports success without filling the buffer. */
   if (format == "tiff" && spec.format == OIIO::TypeDesc::DOUBLE && spec.tile_width)
     return "it has tiles of type double, which OpenImageIO does not read: expected strips, or type float";
+  if (format == "tiff" && spec.get_int_attribute("oiio:BitsPerSample") == 24)
+    return "it has integers of 24 bits, whose bytes OpenImageIO reads in reverse order: expected 8, 16 or 32 bits";
   if (format == "fits")
     return "it is a FITS file, whose rows OpenImageIO reads one too late and whose scale it ignores: expected another "
            "format, such as TIFF";

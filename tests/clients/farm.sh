@@ -29,10 +29,16 @@ folder=$(mktemp -d)
 cd "$folder"
 stop() {
   [ ! -e ctld.pid ] || scontrol shutdown || true
+  tries=0
+  while ls ./*.pid > /dev/null 2>&1 && [ "$tries" -lt 100 ]; do
+    [ "$(ls ./*.pid)" != ./munge.pid ] || break
+    tries=$((tries + 1))
+    sleep 0.1
+  done
   [ ! -e munge.socket ] || munged --stop --socket="$folder/munge.socket" || true
   tail -n 5 slurm-*.out 2> /dev/null || true
   cd /
-  rm -rf "$folder"
+  rm -rf "$folder" || true
 }
 trap stop EXIT
 trap 'exit 143' TERM INT
@@ -155,9 +161,18 @@ fails() {
 }
 fails "number of the part is ''" env -u FARM_PART "$farm" errors 2 true
 fails "number of the part is '2': expected 0 to 1" env FARM_PART=2 "$farm" errors 2 true
+fails "number of the part is '01'" env FARM_PART=01 "$farm" errors 2 true
 fails "PARTS is 'x'" env FARM_PART=0 "$farm" errors x true
 fails "{crop} needs WIDTHxHEIGHT" env FARM_PART=0 "$farm" errors 2 echo '{crop}'
 fails "part 0 failed with exit status 1" env FARM_PART=0 "$farm" errors 2 false
+! FARM_PART=0 "$farm" errors 2 600 echo '{crop}' > message 2>&1 || exit 1 # a number is no size
+
+# A signal stops the command.
+FARM_PART=0 "$farm" errors 2 sh -c 'echo $$ > "$1"; exec sleep 600' sh "$folder/command" &
+wait_for test -s command
+kill "$!"
+! wait "$!" || exit 1
+! kill -0 "$(cat command)" 2> /dev/null || exit 1
 [ -z "$(ls errors)" ] || exit 1 # nothing remains of failed parts
 fails "the parts have 90 x 35 pixels: expected 90 x 70" "$farm" --join slurm 4 90x70 sky.tif wrong.tif
 echo "eight parts by Slurm, parallel and MPI: equal"

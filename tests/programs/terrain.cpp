@@ -135,6 +135,11 @@ TEST_F(Terrain, IntegersOfAnyNumberOfBitsAreHeights) {
     test::writeTiff(path, layout, packed(13, 11, bits, heightAt));
     EXPECT_EQ(run(path + options).values, expected.values) << bits;
   }
+  test::TiffLayout layout;
+  layout.width = layout.height = 4;
+  layout.bits = 24;
+  test::writeTiff(folder + "/24.tif", layout, std::string(48, 1));
+  expectRefusal(folder + "/24.tif", {"24.tif", "24 bits", "reverse", "16 or 32"});
 }
 
 TEST_F(Terrain, FlatTerrainSeesTheWholeSky) {

@@ -17,7 +17,7 @@ import unittest
 import numpy as np
 
 import embree_cbvh as cbvh
-from sheets import bumpy_model, rays_from_above
+from sheets import bumpy_model, rays_from_above, sheet
 
 
 def errors_of_threads(call, count):
@@ -51,9 +51,19 @@ class Files(unittest.TestCase):
     def test_objects_of_files_are_pickled_as_paths_and_mapped_once(self):
         ray = [[0.4, 0.4, 1]], [[0, 0, -1]]
         heights = np.random.default_rng(1).uniform(0, 0.5, (40, 40))
-        for name, build, load in (
-            ("scene", lambda: cbvh.build(bumpy_model(), "cvert", 5), cbvh.load),
-            ("terrain", lambda: cbvh.terrain(heights, 0.1, (0, 2)), cbvh.Terrain.load),
+        for name, build, build_other, load in (
+            (
+                "scene",
+                lambda: cbvh.build(bumpy_model(), "cvert", 5),
+                lambda: cbvh.build(sheet(), "cvert", 4),
+                cbvh.load,
+            ),
+            (
+                "terrain",
+                lambda: cbvh.terrain(heights, 0.1, (0, 2)),
+                lambda: cbvh.terrain(heights + 0.25, 0.1, (0, 2)),
+                cbvh.Terrain.load,
+            ),
         ):
             with self.subTest(name):
                 built = build()
@@ -69,7 +79,11 @@ class Files(unittest.TestCase):
                 expected = loaded.intersect(*ray).t.tobytes()
                 stored = pickle.dumps(loaded)
                 self.assertLess(len(stored), 300)
-                del loaded, built
+                alone = self.mappings()
+                with_copy = pickle.loads(stored)
+                self.assertEqual(with_copy.intersect(*ray).t.tobytes(), expected)
+                self.assertEqual(self.mappings(), alone)
+                del loaded, built, with_copy
                 self.assertEqual(self.mappings(), 0)
                 copies = [pickle.loads(stored)]
                 once = self.mappings()
@@ -86,10 +100,14 @@ class Files(unittest.TestCase):
                 self.assertEqual(other.stdout.decode().strip(), expected.hex())
 
                 # A file that was replaced is another one; the old one is still mapped.
-                os.rename(self.path, self.path + ".old")
+                build_other().save(self.path)
+                changed = pickle.loads(stored).intersect(*ray)
+                self.assertTrue(changed.hit.all())
+                self.assertNotEqual(changed.t.tobytes(), expected)
+                self.assertEqual(copies[0].intersect(*ray).t.tobytes(), expected)
+                os.remove(self.path)
                 with self.assertRaisesRegex(cbvh.Error, self.path):
                     pickle.loads(stored)
-                os.rename(self.path + ".old", self.path)
 
     def test_loaded_scenes_match_saved_ones(self):
         origins, directions = rays_from_above()

@@ -13,6 +13,7 @@ import tempfile
 import types
 import unittest
 import warnings
+import weakref
 
 import numpy as np
 
@@ -67,6 +68,9 @@ class Mesh:
         self.primvar = self.values.pop("st", Primvar())
         self.matrix = self.values.pop("matrix", np.eye(4))
         self.visibility = self.values.pop("visibility", "inherited")
+        self.purpose = self.values.pop("purpose", "default")
+        self.kind = self.values.pop("kind", usd_geom.Mesh)
+        self.children = self.values.pop("children", [])
 
     def __getattr__(self, name):
         if not (name.startswith("Get") and name.endswith("Attr")):
@@ -81,11 +85,14 @@ class Mesh:
         return self.matrix
 
     def IsA(self, kind):
-        return kind is usd_geom.Mesh
+        return kind is self.kind
 
     def ComputeVisibility(self, time):
         assert time == "earliest", time
         return self.visibility
+
+    def ComputePurpose(self):
+        return self.purpose
 
 
 class PrimvarsAPI:
@@ -96,11 +103,47 @@ class PrimvarsAPI:
         return self.mesh.primvar if name == "st" else Primvar()
 
 
-STAGE = []
-usd_geom = types.SimpleNamespace(PrimvarsAPI=PrimvarsAPI, Mesh=lambda prim: prim, Imageable=lambda prim: prim)
+class Stage:
+    def __init__(self, prims):
+        self.prims = prims
+
+
+class PrimRange:
+    """Prims in depth-first order. Like USD's, it does not keep the stage alive."""
+
+    def __init__(self, stage):
+        self.stage, self.pending, self.children = weakref.ref(stage), stage.prims[::-1], []
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        assert self.stage(), "the stage is gone"
+        self.pending += self.children[::-1]
+        if not self.pending:
+            raise StopIteration
+        prim = self.pending.pop()
+        self.children = prim.children
+        return prim
+
+    def PruneChildren(self):
+        self.children = []
+
+    @staticmethod
+    def Stage(stage, predicate):
+        assert predicate == "instances, too"
+        return PrimRange(stage)
+
+
+PRIMS = []
+usd_geom = types.SimpleNamespace(
+    PrimvarsAPI=PrimvarsAPI, Mesh=lambda prim: prim, Imageable=lambda prim: prim, PointInstancer=object()
+)
 usd = types.SimpleNamespace(
     TimeCode=types.SimpleNamespace(EarliestTime=lambda: "earliest"),
-    Stage=types.SimpleNamespace(Open=lambda path: types.SimpleNamespace(Traverse=lambda: STAGE)),
+    Stage=types.SimpleNamespace(Open=lambda path: Stage(PRIMS)),
+    PrimRange=PrimRange,
+    TraverseInstanceProxies=lambda: "instances, too",
 )
 sys.modules["pxr"] = types.SimpleNamespace(Usd=usd, UsdGeom=usd_geom)
 sys.path.insert(0, os.path.dirname(EXAMPLE))
@@ -165,10 +208,13 @@ class Usd(unittest.TestCase):
             Primvar(points, "faceVarying", corners),
             Primvar(points[::-1], "vertex", np.arange(6, -1, -1)),
         ):
-            cage = convert(st=primvar)
+            with warnings.catch_warnings(record=True) as found:
+                warnings.simplefilter("always")
+                cage = convert(st=primvar)
+            self.assertEqual(len(found), primvar.interpolation == "vertex")
             np.testing.assert_array_equal(cage.uvs[cage.uv_indices], np.float32(points[corners]))
-        with self.assertWarnsRegex(UserWarning, "/world/mesh: st is linear within faces"):
-            convert(st=Primvar(points, "vertex"), FaceVaryingLinearInterpolation="cornersPlus1")
+        with self.assertWarnsRegex(UserWarning, "/world/mesh: st is smooth in USD"):
+            convert(st=Primvar(points[corners]), FaceVaryingLinearInterpolation="cornersPlus1")
 
     def test_errors_name_the_mesh(self):
         for text, changes in (
@@ -179,20 +225,33 @@ class Usd(unittest.TestCase):
             ("creaseLengths do not fit 3", {"CreaseIndices": [0, 1, 2], "CreaseLengths": [2]}),
             ("2 creaseSharpnesses", {"CreaseIndices": [0, 1], "CreaseLengths": [2], "CreaseSharpnesses": [1, 2]}),
             ("st is constant", {"st": Primvar([(0, 0)], "constant")}),
+            ("st has 3 indices", {"st": Primvar([(0, 0)], "faceVarying", [0, 0, 0])}),
+            ("uv_indices", {"st": Primvar([(0, 0)], "faceVarying")}),
+            ("holes", {"HoleIndices": [9]}),
+            ("indices", {"FaceVertexIndices": [0, 1, 4, 3, 1, 2, 5, 4, 2, 7, 5]}),
         ):
             with self.assertRaisesRegex(ValueError, "/world/mesh: " + text):
                 convert(**changes)
 
     def test_a_stage_is_saved(self):
-        STAGE[:] = [Mesh(), Mesh(visibility="invisible"), Mesh(SubdivisionScheme="loop"), Mesh(matrix=np.eye(4) * 2)]
+        PRIMS[:] = [
+            Mesh(),
+            Mesh(visibility="invisible"),
+            Mesh(SubdivisionScheme="loop"),
+            Mesh(purpose="guide"),
+            Mesh(purpose="proxy"),
+            Mesh(kind=usd_geom.PointInstancer, children=[Mesh()]),
+            Mesh(kind="Xform", children=[Mesh(purpose="render", matrix=np.diag([2, 2, 2, 1]))]),
+        ]
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "stage.cbvh")
             sys.argv[1:] = ["stage.usd", path, "--level", "3"]
             with warnings.catch_warnings(record=True) as found:
                 warnings.simplefilter("always")
                 example.main()
-            self.assertEqual(len(found), 1)
+            self.assertEqual(len(found), 2)
             self.assertIn("left out: /world/mesh: subdivisionScheme is loop", str(found[0].message))
+            self.assertIn("left out: instances of /world/mesh", str(found[1].message))
             self.assertEqual(cbvh.load(path).geometries, 2)
         del sys.argv[1:]
 

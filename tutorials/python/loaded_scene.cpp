@@ -63,17 +63,23 @@ public:
   const std::unique_ptr<const SavedScene> saved;
 };
 
+OpenFiles<LoadedScene>& openFiles() {
+  static OpenFiles<LoadedScene> files;
+  return files;
+}
+
 std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads) {
   const unsigned n = threadsOf(threads);
   return interruptibleBuild(py::none(), [&] {
-    return std::make_shared<LoadedScene>(path.string(), std::make_unique<SavedScene>(path.string(), n));
+    auto scene = std::make_shared<LoadedScene>(path.string(), std::make_unique<SavedScene>(path.string(), n));
+    openFiles().add(path, scene);
+    return scene;
   });
 }
 
 /* For pickle. */
 std::shared_ptr<LoadedScene> loadOnce(const std::filesystem::path& path) {
-  static OpenFiles<LoadedScene> files;
-  return files.get(path, [&] { return loadFile(path, 0); });
+  return openFiles().get(path, [&] { return loadFile(path, 0); });
 }
 
 constexpr const char* loadText =

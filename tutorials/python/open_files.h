@@ -37,6 +37,14 @@ public:
     return opened;
   }
 
+  /* Lets get() find an object that was opened otherwise, unless it knows another one. Thread-safe. */
+  void add(const std::filesystem::path& path, const std::shared_ptr<T>& opened) {
+    const Identity identity = identityOf(path);
+    const std::lock_guard<std::mutex> lock(mutex);
+    std::weak_ptr<T>& entry = files[identity];
+    if (entry.expired()) entry = opened;
+  }
+
 private:
   /* Device, inode, size, and time of the last change. */
   using Identity = std::tuple<dev_t, ino_t, off_t, time_t, long>;

@@ -147,13 +147,20 @@ Georeference readGeoreference(const fs::path& path) {
   }
 }
 
+OpenFiles<Terrain>& openFiles() {
+  static OpenFiles<Terrain> files;
+  return files;
+}
+
 std::shared_ptr<Terrain> load(const fs::path& path, int threads) {
   const unsigned n = threadsOf(threads);
   return interruptibleBuild(py::none(), [&] {
     const Georeference space = readGeoreference(georeferencePath(path));
     std::unique_ptr<const SavedScene> scene = std::make_unique<SavedScene>(path.string(), n);
     const double seconds = scene->seconds();
-    return std::make_shared<Terrain>(space, std::move(scene), seconds, fs::absolute(path));
+    auto terrain = std::make_shared<Terrain>(space, std::move(scene), seconds, fs::absolute(path));
+    openFiles().add(path, terrain);
+    return terrain;
   });
 }
 
@@ -166,8 +173,7 @@ fs::path pickled(const Terrain& terrain) {
 }
 
 std::shared_ptr<Terrain> loadOnce(const fs::path& path) {
-  static OpenFiles<Terrain> files;
-  return files.get(path, [&] { return load(path, 0); });
+  return openFiles().get(path, [&] { return load(path, 0); });
 }
 
 /* --- building -------------------------------------------------------------------- */
@@ -268,7 +274,9 @@ std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell,
   if (!progress.is_none()) progress("terrain", 1.0);
   if (!(scene->bounds().lower.x <= scene->bounds().upper.x))
     throwValueError("heights", "has no triangle of three samples: expected heights that are not all missing");
-  return std::make_shared<Terrain>(space, std::move(scene), seconds, path ? fs::absolute(*path) : fs::path());
+  auto terrain = std::make_shared<Terrain>(space, std::move(scene), seconds, path ? fs::absolute(*path) : fs::path());
+  if (path) openFiles().add(*path, terrain);
+  return terrain;
 }
 
 /* --- queries ----------------------------------------------------------------------- */

@@ -14,7 +14,7 @@ transformation, for your own scene:
 
 import argparse
 import warnings
-from typing import Any, Optional, Tuple
+from typing import Any, Iterator, Optional, Tuple
 
 import embree_cbvh as cbvh
 import numpy as np
@@ -64,10 +64,13 @@ def uvs_of(mesh: Any, time: Any, name: str, indices: Array) -> Tuple[Optional[Ar
     else:
         raise ValueError(f"{mesh.GetPath()}: {name} is {interpolation}: expected faceVarying, vertex or varying")
     rule = mesh.GetFaceVaryingLinearInterpolationAttr().Get(time)
-    if interpolation != "varying" and rule != "all":
-        warnings.warn(f"{mesh.GetPath()}: {name} is linear within faces: expected faceVaryingLinearInterpolation 'all'")
+    if interpolation == "vertex" or (interpolation == "faceVarying" and rule != "all"):
+        warnings.warn(f"{mesh.GetPath()}: {name} is smooth in USD, and linear within faces of the cage")
     if primvar.IsIndexed():
-        places = np.array(primvar.GetIndices(time), "i8")[places]
+        of_places = np.array(primvar.GetIndices(time), "i8")
+        if len(of_places) <= places.max(initial=-1):
+            raise ValueError(f"{mesh.GetPath()}: {name} has {len(of_places)} indices: expected more")
+        places = of_places[places]
     return uvs, places
 
 
@@ -98,20 +101,39 @@ def cage_of(mesh: Any, time: Any, uv_name: str = "st") -> cbvh.Cage:
         corners = np.repeat(2 * ends - counts - 1, counts) - np.arange(len(indices))  # of each face in reverse
         indices = indices[corners]
         uv_indices = None if uv_indices is None else uv_indices[corners]
-    return cbvh.Cage(
-        points,
-        indices,
-        counts,
-        uvs=uvs,
-        uv_indices=uv_indices,
-        crease_edges=crease_edges,
-        crease_sharpness=crease_sharpness,
-        corner_vertices=array_of(mesh.GetCornerIndicesAttr(), time, "i8"),
-        corner_sharpness=array_of(mesh.GetCornerSharpnessesAttr(), time, "f4"),
-        holes=array_of(mesh.GetHoleIndicesAttr(), time, "i8"),
-        boundary=BOUNDARIES[mesh.GetInterpolateBoundaryAttr().Get(time)],
-        name=str(mesh.GetPath()),
-    )
+    try:
+        return cbvh.Cage(
+            points,
+            indices,
+            counts,
+            uvs=uvs,
+            uv_indices=uv_indices,
+            crease_edges=crease_edges,
+            crease_sharpness=crease_sharpness,
+            corner_vertices=array_of(mesh.GetCornerIndicesAttr(), time, "i8"),
+            corner_sharpness=array_of(mesh.GetCornerSharpnessesAttr(), time, "f4"),
+            holes=array_of(mesh.GetHoleIndicesAttr(), time, "i8"),
+            boundary=BOUNDARIES[mesh.GetInterpolateBoundaryAttr().Get(time)],
+            name=str(mesh.GetPath()),
+        )
+    except ValueError as error:
+        raise ValueError(f"{mesh.GetPath()}: {error}") from error
+
+
+def meshes_of(stage: Any, time: Any) -> Iterator[Any]:
+    """Visible meshes for final pictures, also in instances. Warns of point instancers, whose instances are left out."""
+    prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        imageable = UsdGeom.Imageable(prim)
+        if prim.IsA(UsdGeom.PointInstancer):
+            warnings.warn(f"left out: instances of {prim.GetPath()}")
+            prims.PruneChildren()
+        elif (
+            prim.IsA(UsdGeom.Mesh)
+            and imageable.ComputeVisibility(time) != "invisible"
+            and imageable.ComputePurpose() in ("default", "render")
+        ):
+            yield UsdGeom.Mesh(prim)
 
 
 def main() -> None:
@@ -121,13 +143,13 @@ def main() -> None:
     parser.add_argument("--level", type=int, default=6, help="a face has 4**level quads")
     options = parser.parse_args()
     time = Usd.TimeCode.EarliestTime()
+    stage = Usd.Stage.Open(options.stage)  # prims live as long as their stage
     cages = []
-    for prim in Usd.Stage.Open(options.stage).Traverse():
-        if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputeVisibility(time) != "invisible":
-            try:
-                cages.append(cage_of(UsdGeom.Mesh(prim), time))
-            except ValueError as error:
-                warnings.warn(f"left out: {error}")
+    for mesh in meshes_of(stage, time):
+        try:
+            cages.append(cage_of(mesh, time))
+        except ValueError as error:
+            warnings.warn(f"left out: {error}")
     scene = cbvh.Scene([cbvh.Subdivision(cage, options.level) for cage in cages])
     scene.save(options.output)
     print(scene)
