@@ -82,9 +82,15 @@ PartitionName=all Nodes=ALL Default=YES State=UP
 END
 export SLURM_CONF="$folder/slurm.conf"
 munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munge.pid" \
-  --log-file="$folder/munge.log" --seed-file="$folder/munge.seed"
-slurmctld
-for node in 1 2 3 4; do slurmd -N "node$node"; done
+  --log-file="$folder/munge.log" --seed-file="$folder/munge.seed" || skip "munged does not start"
+slurmctld || skip "slurmctld does not start"
+for node in 1 2 3 4; do slurmd -N "node$node" || skip "slurmd does not start"; done
+tries=0
+until [ "$(sinfo --noheader --states=idle --format=%D 2> sinfo.log)" = 4 ]; do
+  tries=$((tries + 1))
+  [ "$tries" -lt 600 ] || skip "Slurm has no four nodes after a minute: $(tail -n 2 ctld.log sinfo.log)"
+  sleep 0.1
+done
 
 # submit ARGUMENT...: starts eight parts and prints the number of the job
 submit() { sbatch --parsable --array=0-7 "$farm" "$@"; }
