@@ -233,9 +233,9 @@ class RayMeshIntersector:
         return hit
 
     def _hits(
-        self, ray_origins: ArrayLike, ray_directions: ArrayLike, max_hits: Optional[int]
-    ) -> Tuple[Integers, Integers, Doubles]:
-        """Returns triangles (m,), rays (m,) and locations (m, 3), ordered by ray, then by distance."""
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike, max_hits: Optional[int], with_locations: bool
+    ) -> Tuple[NDArray[Any], ...]:
+        """Returns triangles (m,), rays (m,) and if requested locations (m, 3), ordered by ray, then by distance."""
         scene, placement, rays, origins, directions = self._prepare(ray_origins, ray_directions)
         if max_hits == 1:
             triangles, distances = scene.first(origins, directions)
@@ -247,6 +247,8 @@ class RayMeshIntersector:
             number = np.arange(len(of_hits)) - np.searchsorted(of_hits, of_hits)  # along its ray, from 0
             near = number < max_hits
             of_hits, triangles, distances = of_hits[near], triangles[near], distances[near]
+        if not with_locations:
+            return triangles, rays[of_hits]
         locations = self._locations(placement, triangles, origins[of_hits], directions[of_hits], distances)
         return triangles, rays[of_hits], locations
 
@@ -263,14 +265,13 @@ class RayMeshIntersector:
         max_hits: most hits per ray, the closest ones; None for all. Hits of one ray at the same distance, or at
         adjacent floats of 32 bits, for example at an edge, count as one.
         """
-        found = self._hits(ray_origins, ray_directions, max_hits if multiple_hits else 1)
-        return found if return_locations else found[:2]
+        return self._hits(ray_origins, ray_directions, max_hits if multiple_hits else 1, return_locations)
 
     def intersects_location(
         self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True
     ) -> Tuple[Doubles, Integers, Integers]:
         """Returns locations (m, 3), rays (m,) and triangles (m,) of all hits."""
-        triangles, rays, locations = self._hits(ray_origins, ray_directions, None if multiple_hits else 1)
+        triangles, rays, locations = self._hits(ray_origins, ray_directions, None if multiple_hits else 1, True)
         return locations, rays, triangles
 
     def contains_points(self, points: ArrayLike) -> Flags:
