@@ -63,23 +63,19 @@ public:
   const std::unique_ptr<const SavedScene> saved;
 };
 
-OpenFiles<LoadedScene>& openFiles() {
-  static OpenFiles<LoadedScene> files;
-  return files;
-}
-
 std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads) {
   const unsigned n = threadsOf(threads);
   return interruptibleBuild(py::none(), [&] {
     auto scene = std::make_shared<LoadedScene>(path.string(), std::make_unique<SavedScene>(path.string(), n));
-    openFiles().add(path, scene);
+    OpenFiles<LoadedScene>::ofProcess().add(path, scene);
     return scene;
   });
 }
 
 /* For pickle. */
 std::shared_ptr<LoadedScene> loadOnce(const std::filesystem::path& path) {
-  return openFiles().get(path, [&] { return loadFile(path, 0); });
+  const std::shared_ptr<LoadedScene> known = OpenFiles<LoadedScene>::ofProcess().find(path);
+  return known ? known : loadFile(path, 0);
 }
 
 constexpr const char* loadText =

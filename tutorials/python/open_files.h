@@ -11,33 +11,25 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <sys/stat.h>
 #include <tuple>
-#include <utility>
 
 namespace programs::python {
 
 template<typename T>
 class OpenFiles {
 public:
-  /* Returns the object of the file, from an earlier call if somebody still has it, otherwise opened(). A file that was
-   * replaced is another file. Throws Error if there is no such file. Thread-safe. */
-  template<typename Open>
-  std::shared_ptr<T> get(const std::filesystem::path& path, const Open& open) {
-    const Identity identity = identityOf(path);
-    if (const std::shared_ptr<T> known = find(identity)) return known;
-    const std::shared_ptr<T> opened = open();
-    const std::lock_guard<std::mutex> lock(mutex);
-    std::weak_ptr<T>& entry = files[identity];
-    if (const std::shared_ptr<T> other = entry.lock()) return other; // of another thread, meanwhile
-    entry = opened;
-    return opened;
+  /* Those of this process. Members are thread-safe, and throw Error if there is no such file. */
+  static OpenFiles& ofProcess() {
+    static OpenFiles files;
+    return files;
   }
 
-  /* Lets get() find an object that was opened otherwise, unless it knows another one. Thread-safe. */
+  /* Lets find() return this object, unless it knows another one of the file. */
   void add(const std::filesystem::path& path, const std::shared_ptr<T>& opened) {
     const Identity identity = identityOf(path);
     const std::lock_guard<std::mutex> lock(mutex);
@@ -45,7 +37,19 @@ public:
     if (entry.expired()) entry = opened;
   }
 
+  /* Returns the object of the file if somebody still has it, otherwise null. A file that was replaced is another one.
+   */
+  std::shared_ptr<T> find(const std::filesystem::path& path) {
+    const Identity identity = identityOf(path);
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (auto i = files.begin(); i != files.end();) i = i->second.expired() ? files.erase(i) : std::next(i);
+    const auto found = files.find(identity);
+    return found == files.end() ? nullptr : found->second.lock();
+  }
+
 private:
+  OpenFiles() = default;
+
   /* Device, inode, size, and time of the last change. */
   using Identity = std::tuple<dev_t, ino_t, off_t, time_t, long>;
 
@@ -53,13 +57,6 @@ private:
     struct stat s;
     if (stat(path.c_str(), &s) != 0) throw Error(path.string() + ": " + std::strerror(errno));
     return {s.st_dev, s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
-  }
-
-  std::shared_ptr<T> find(const Identity& identity) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    for (auto i = files.begin(); i != files.end();) i = i->second.expired() ? files.erase(i) : std::next(i);
-    const auto found = files.find(identity);
-    return found == files.end() ? nullptr : found->second.lock();
   }
 
   std::mutex mutex; // protects the member below

@@ -147,11 +147,6 @@ Georeference readGeoreference(const fs::path& path) {
   }
 }
 
-OpenFiles<Terrain>& openFiles() {
-  static OpenFiles<Terrain> files;
-  return files;
-}
-
 std::shared_ptr<Terrain> load(const fs::path& path, int threads) {
   const unsigned n = threadsOf(threads);
   return interruptibleBuild(py::none(), [&] {
@@ -159,7 +154,7 @@ std::shared_ptr<Terrain> load(const fs::path& path, int threads) {
     std::unique_ptr<const SavedScene> scene = std::make_unique<SavedScene>(path.string(), n);
     const double seconds = scene->seconds();
     auto terrain = std::make_shared<Terrain>(space, std::move(scene), seconds, fs::absolute(path));
-    openFiles().add(path, terrain);
+    OpenFiles<Terrain>::ofProcess().add(path, terrain);
     return terrain;
   });
 }
@@ -173,7 +168,8 @@ fs::path pickled(const Terrain& terrain) {
 }
 
 std::shared_ptr<Terrain> loadOnce(const fs::path& path) {
-  return openFiles().get(path, [&] { return load(path, 0); });
+  const std::shared_ptr<Terrain> known = OpenFiles<Terrain>::ofProcess().find(path);
+  return known ? known : load(path, 0);
 }
 
 /* --- building -------------------------------------------------------------------- */
@@ -275,7 +271,7 @@ std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell,
   if (!(scene->bounds().lower.x <= scene->bounds().upper.x))
     throwValueError("heights", "has no triangle of three samples: expected heights that are not all missing");
   auto terrain = std::make_shared<Terrain>(space, std::move(scene), seconds, path ? fs::absolute(*path) : fs::path());
-  if (path) openFiles().add(*path, terrain);
+  if (path) OpenFiles<Terrain>::ofProcess().add(*path, terrain);
   return terrain;
 }
 
