@@ -66,6 +66,8 @@ expect_refusal "the parts have 61 x 12 pixels: expected 61 x 47" \
   --size 61x47 --join "$folder/none.png" "${parts[0]}.png" "${parts[1]}.png"
 expect_refusal "cube_ctile.png: has other channels than the first part" \
   --join "$folder/none.exr" "${parts[0]}.exr" "${parts[1]}.png"
+expect_refusal "join renders nothing: expected no --scene" \
+  --scene cube --join "$folder/none.exr" "${parts[0]}.exr" "${parts[1]}.exr" "${parts[2]}.exr"
 expect_refusal "missing.exr: cannot be read" --join "$folder/none.exr" "$folder/missing.exr"
 expect_refusal "joined.png" --join "$folder/joined.png" "$folder/joined.png"
 [ ! -e "$folder/none.exr" ] && [ ! -e "$folder/none.png" ] || complain "--join wrote a file"

@@ -135,7 +135,12 @@ void chooseLevel(const CLI::App& app, const OptionTexts& texts, Options& o) {
 void read(const CLI::App& app, const OptionTexts& texts, Options& o) {
   o.size = parseImageSize(texts.size);
   o.hasSize = app.count("--size") != 0;
-  if (!o.join.empty()) return;
+  if (!o.join.empty()) {
+    for (const CLI::Option* option : app.get_options())
+      if (option->count() && option->get_name() != "--join" && option->get_name() != "--size")
+        throw Error("--join renders nothing: expected no " + option->get_name());
+    return;
+  }
   if (o.loadPath.empty()) {
     applyFileArguments(texts.files, o.scene);
     o.loadPath = o.scene.savedPath;
