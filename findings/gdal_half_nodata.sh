@@ -10,7 +10,7 @@
 # Seen (GDAL 3.6.2 of Debian 12): missing samples are -9992, and the tag still says -9999. GDAL itself then counts them
 # as heights: the smallest height of the raster is -9992.
 #
-# cbvh_terrain rounds the value of the tag to the type of the samples before it compares them (gdal_nodata.h).
+# cbvh_terrain rounds the value of the tag to the type of the samples before it compares them (map_image.cpp).
 . "$(dirname -- "$0")/debian_root.sh"
 install_pinned bookworm gdal-bin=3.6.2+dfsg-1+b2
 

@@ -6,8 +6,8 @@
 
     measure_large.py BUILD-DIRECTORY FOLDER [raster|meshes]
 
-Prints Markdown tables. Requires NumPy and 15 GB of disk in FOLDER, where generated files are deleted afterwards. Takes
-10 minutes on two cores. Each measurement runs in a process of its own, whose peak is resident memory.
+Prints Markdown tables. Requires NumPy and 5 GB of disk in FOLDER, where generated files are deleted afterwards. Takes 5
+minutes on two cores. Each measurement runs in a process of its own, whose peak is resident memory.
 """
 
 import argparse

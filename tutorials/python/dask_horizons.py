@@ -36,7 +36,7 @@ def open_terrain(path: str) -> cbvh.Terrain:
 def points_above(terrain: cbvh.Terrain, tile: Tile, above: float) -> NDArray[np.float64]:
     """Positions above samples, (rows, columns, 3); NaN where samples are missing."""
     row, column = np.meshgrid(*(np.arange(part.start, part.stop) for part in tile), indexing="ij")
-    # Rays along edges of tiles may miss their triangles by rounding: they start a little inside of the raster.
+    # By rounding, a ray exactly at the border of the raster may miss it: these rays start a little inside.
     row = np.clip(row, 1e-3, terrain.shape[0] - 1 - 1e-3)
     column = np.clip(column, 1e-3, terrain.shape[1] - 1 - 1e-3)
     origins = np.empty((*row.shape, 3))
