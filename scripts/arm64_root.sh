@@ -13,7 +13,7 @@ arguments=1
 . "$(dirname -- "$0")/lib.sh"
 [ "$#" = 1 ] || usage_error "the argument FOLDER is missing"
 
-packages="libc6-dev libstdc++-12-dev libtbb-dev libcli11-dev libopenexr-dev libopenimageio-dev libosd-dev
+packages="libc6-dev libstdc++-12-dev libtbb-dev libcli11-dev libopenexr-dev libopenimageio-dev libosd-dev libtiff-dev
   nlohmann-json3-dev libgl-dev libglfw3-dev pybind11-dev python3-dev python3-numpy libvulkan-dev libvulkan-volk-dev
   mesa-vulkan-drivers vulkan-validationlayers embree-tools libembree-dev libgtest-dev"
 

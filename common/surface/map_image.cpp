@@ -3,7 +3,6 @@
 
 #include "surface/map_image.h"
 #include "surface/exr_levels.h"
-#include "surface/gdal_nodata.h"
 #include "surface/map_rejections.h"
 #include "surface/pnm_image.h"
 
@@ -115,7 +114,7 @@ bool MapImage::open(const std::string& path, OIIO::ImageSpec& spec, const OIIO::
                          static_cast<const int*>(firsts->data()) + firsts->type().numelements());
   file = path;
   if (!openSource(config)) return false;
-  if (std::string(source->format_name()) == "tiff") nodataTexts = readGdalNodata(path);
+  if (std::string(source->format_name()) == "tiff") pages = readTiffPages(path);
   isRipMapped = hasParts() && source->spec().tile_width && hasRipMaps(path);
   image = 0;
   if (!describe()) return false;
@@ -142,7 +141,7 @@ bool MapImage::openSource(const OIIO::ImageSpec& config) {
 bool MapImage::close() {
   source.reset();
   firstChannels.clear();
-  nodataTexts.clear();
+  pages.clear();
   rejectionText.clear();
   image = -1;
   return true;
@@ -190,10 +189,10 @@ bool MapImage::describe() {
 /* The value of GDAL's tag as OpenImageIO returns it, in the type of the samples. */
 std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const {
   const int photometric = from.get_int_attribute("tiff:PhotometricInterpretation", -1);
-  if (size_t(image) >= nodataTexts.size() || !from.channelformats.empty() || photometric < WhiteIsZero ||
+  if (size_t(image) >= pages.size() || !from.channelformats.empty() || photometric < WhiteIsZero ||
       photometric > Rgb) // OpenImageIO converts other color spaces
     return {};
-  std::string_view text = nodataTexts[size_t(image)];
+  std::string_view text = pages[size_t(image)].tags.nodata;
   text.remove_prefix(std::min(text.find_first_not_of(" +"), text.size()));
   double value = 0;
   if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc() || std::isnan(value))
@@ -207,6 +206,10 @@ std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const {
   if (isUnsigned(from.format))
     value = std::floor(value * (std::ldexp(1.0, int(8 * from.format.size())) - 1) / most); // 1 to 7 and 9 to 15 bits
   return photometric == WhiteIsZero && !isInverted ? 255 - value : value;
+}
+
+GeoTags MapImage::geoTags() const {
+  return image >= 0 && size_t(image) < pages.size() ? pages[size_t(image)].tags : GeoTags();
 }
 
 bool MapImage::read_native_scanlines(int subimage, int miplevel, int yBegin, int yEnd, int, void* data) {

@@ -16,6 +16,8 @@
  * - What OpenImageIO reads incorrectly without an error is rejected, see map_rejections.h.
  * - Missing texels become neutral: NaN, finite values up to -3.4e38, and the value of GDAL's tag. */
 
+#include "surface/geo_tiff.h"
+
 #include <OpenImageIO/imageio.h>
 
 #include <memory>
@@ -58,6 +60,9 @@ public:
 
   size_t numMissing() const { return missing; }
 
+  /* Tags of GeoTIFF and GDAL of the current image; empty unless the file is a TIFF. */
+  GeoTags geoTags() const;
+
   /* Reason not to read the current image, or empty. */
   const std::string& rejection() const { return rejectionText; }
 
@@ -82,8 +87,8 @@ private:
   std::unique_ptr<OIIO::ImageInput> source;
   std::string file;
   bool isRipMapped = false;
-  std::vector<std::string> nodataTexts; // per page of a TIFF
-  std::vector<int> firstChannels;       // per image, or empty
+  std::vector<TiffPage> pages;    // of a TIFF
+  std::vector<int> firstChannels; // per image, or empty
   ChannelRange range;
   std::string rejectionText;
   size_t missing = 0;

@@ -4,6 +4,7 @@
 /* cbvh_terrain: known sky-view factors, tiles that form one surface, and invalid arguments. */
 
 #include "basics/image_file.h"
+#include "surface/geo_tiff.h"
 #include "support/message_parts.h"
 #include "support/tiff_file.h"
 
@@ -217,6 +218,176 @@ TEST_F(Terrain, MissingSamplesAreHoles) {
   for (int y = 0; y < 51; y++)
     for (int x = 0; x < 51; x++)
       ASSERT_EQ(std::isnan(picture.at(x, y)), (x == 20 && y > 10) || y == 3) << x << ", " << y;
+}
+
+/* 41 x 31 hills with missing samples, and the places and the coordinate system of a national grid. */
+test::TiffLayout nationalLayout(bool isPoint) {
+  test::TiffLayout t;
+  t.width = 41;
+  t.height = 31;
+  t.bits = 32;
+  t.format = 3;
+  t.nodata = "-9999";
+  t.pixelScale = {2, 2, 0};
+  t.tiepoints = {3, 4, 0, 4512345.5, 5432109.25, 0};
+  t.geoKeys = {1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, uint16_t(isPoint ? 2 : 1), 3072, 0, 1, 25832}; // projected
+  return t;
+}
+
+std::string hillSamples() {
+  std::vector<float> heights;
+  for (int i = 0; i < 41 * 31; i++) heights.push_back(i == 9 * 41 + 7 ? -9999 : float(hills(i % 41, i / 41)));
+  return test::bytesOf(heights);
+}
+
+void expectPlaces(const SamplePlaces& found, const SamplePlaces& expected) {
+  const double a[] = {found.x0, found.xOfColumn, found.xOfRow, found.y0, found.yOfColumn, found.yOfRow};
+  const double b[] = {expected.x0, expected.xOfColumn, expected.xOfRow,
+                      expected.y0, expected.yOfColumn, expected.yOfRow};
+  for (int i = 0; i < 6; i++) EXPECT_DOUBLE_EQ(a[i], b[i]) << i;
+}
+
+GeoTags tagsOf(const std::string& path) {
+  const std::vector<TiffPage> pages = readTiffPages(path);
+  EXPECT_EQ(pages.size(), 1u) << path;
+  return pages.empty() ? GeoTags() : pages[0].tags;
+}
+
+TEST_F(Terrain, OutputsAreWhereTheInputIs) {
+  const std::string path = folder + "/national.tif";
+  for (const bool isPoint : {false, true})
+    for (const bool isRotated : {false, true}) {
+      SCOPED_TRACE(testing::Message() << isPoint << isRotated);
+      test::TiffLayout t = nationalLayout(isPoint);
+      t.isBigEndian = isPoint;
+      t.isBigTiff = isPoint != isRotated;
+      t.metadata = "<GDALMetadata><Item name=\"STATISTICS_MAXIMUM\" sample=\"0\">49</Item></GDALMetadata>";
+      SamplePlaces p = {4512345.5 - 6, 2, 0, 5432109.25 + 8, 0, -2};
+      if (isRotated) {
+        p = {4512345.5, 1.5, 0.75, 5432109.25, 0.5, -2};
+        t.matrix = {p.xOfColumn, p.xOfRow, 0, p.x0, p.yOfColumn, p.yOfRow, 0, p.y0, 0, 0, 0, 0, 0, 0, 0, 1};
+        t.pixelScale = t.tiepoints = {};
+      }
+      const double corner = isPoint ? 0 : 0.5; // of a pixel, from its center
+      p.x0 += corner * (p.xOfColumn + p.xOfRow);
+      p.y0 += corner * (p.yOfColumn + p.yOfRow);
+      test::writeTiff(path, t, hillSamples());
+      const Picture whole = run(path + " --cell 2 --azimuths 4");
+      const GeoTags ofWhole = tagsOf(folder + "/factors" + std::to_string(files - 1) + ".tif");
+      EXPECT_EQ(ofWhole.keys, t.geoKeys);
+      EXPECT_EQ(ofWhole.nodata, "nan");
+      EXPECT_EQ(ofWhole.metadata, "");
+      ASSERT_TRUE(samplePlaces(ofWhole));
+      expectPlaces(*samplePlaces(ofWhole), p);
+      EXPECT_TRUE(std::isnan(whole.at(7, 9)));
+      const Picture part = run(path + " --cell 2 --azimuths 4 --crop 5,3,20,21", ".TIFF");
+      const GeoTags ofPart = tagsOf(folder + "/factors" + std::to_string(files - 1) + ".TIFF");
+      EXPECT_EQ(part.at(0, 0), whole.at(5, 3));
+      EXPECT_EQ(ofPart.keys, t.geoKeys);
+      p.x0 += 5 * p.xOfColumn + 3 * p.xOfRow;
+      p.y0 += 5 * p.yOfColumn + 3 * p.yOfRow;
+      ASSERT_TRUE(samplePlaces(ofPart));
+      expectPlaces(*samplePlaces(ofPart), p);
+    }
+}
+
+/* Control points of a part move with it. Copies have none, but continue a transformation. */
+TEST_F(Terrain, ControlPointsAreKeptWithoutCopies) {
+  const std::string path = folder + "/points.tif", options = " --cell 2 --azimuths 1";
+  test::TiffLayout t = nationalLayout(false);
+  const std::vector<double> points = {0, 0, 0, 10, 50, 0, 40, 0, 0, 11, 50, 0, 0, 30, 0, 10, 49, 0};
+  t.pixelScale.clear();
+  t.tiepoints = points;
+  test::writeTiff(path, t, hillSamples());
+  run(path + options + " --crop 5,3,20,21");
+  std::vector<double> expected = points;
+  for (size_t i = 0; i < points.size(); i += 6) expected[i] -= 5, expected[i + 1] -= 3;
+  EXPECT_EQ(tagsOf(folder + "/factors0.tif").tiepoints, expected);
+  run(path + options + " --height-repeat 2");
+  EXPECT_EQ(tagsOf(folder + "/factors1.tif").tiepoints, std::vector<double>());
+  EXPECT_EQ(tagsOf(folder + "/factors1.tif").keys, t.geoKeys);
+  test::writeTiff(path, nationalLayout(false), hillSamples());
+  run(path + options + " --height-repeat 2 --crop 50,40,60,50");
+  const GeoTags tags = tagsOf(folder + "/factors2.tif");
+  ASSERT_TRUE(samplePlaces(tags));
+  expectPlaces(*samplePlaces(tags), {4512345.5 + 2 * (50 - 3 + 0.5), 2, 0, 5432109.25 - 2 * (40 - 4 + 0.5), 0, -2});
+}
+
+/* Value that GDAL reads at a place, or an empty text. */
+std::string valueByGdal(const std::string& path, double x, double y) {
+  char command[1000];
+  std::snprintf(command, sizeof(command), "gdallocationinfo -valonly -geoloc %s %.17g %.17g 2>&1", path.c_str(), x, y);
+  std::string text;
+  FILE* const output = popen(command, "r");
+  if (!output) return text;
+  char line[200];
+  while (std::fgets(line, sizeof(line), output)) text += line;
+  pclose(output);
+  return text;
+}
+
+TEST_F(Terrain, GdalFindsOutputsAtTheirPlace) {
+  if (std::system("gdallocationinfo --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "requires Debian's gdal-bin";
+  const std::string path = folder + "/national.tif";
+  for (const bool isPoint : {false, true})
+    for (const bool isRotated : {false, true}) {
+      SCOPED_TRACE(testing::Message() << isPoint << isRotated);
+      test::TiffLayout t = nationalLayout(isPoint);
+      if (isRotated) {
+        t.matrix = {1.5, 0.75, 0, 4512345.5, 0.5, -2, 0, 5432109.25, 0, 0, 0, 0, 0, 0, 0, 1};
+        t.pixelScale = t.tiepoints = {};
+      }
+      test::writeTiff(path, t, hillSamples());
+      const std::string options = path + " --cell 2 --azimuths 4";
+      const Picture whole = run(options), part = run(options + " --crop 5,3,20,21");
+      for (const auto& [x, y] : {std::pair(5, 3), std::pair(19, 20), std::pair(7, 9)}) {
+        const SamplePlaces p = samplePlaces(tagsOf(path)).value();
+        const double easting = p.x0 + x * p.xOfColumn + y * p.xOfRow, northing = p.y0 + x * p.yOfColumn + y * p.yOfRow;
+        for (const int file : {2, 1}) {
+          const std::string text =
+              valueByGdal(folder + "/factors" + std::to_string(files - file) + ".tif", easting, northing);
+          ASSERT_FALSE(text.empty());
+          const float expected = file == 2 ? whole.at(x, y) : part.at(x - 5, y - 3);
+          if (x == 7) EXPECT_TRUE(text.find("nan") != std::string::npos && std::isnan(expected)) << text;
+          else EXPECT_NEAR(std::stod(text), double(expected), 1e-6) << text;
+        }
+        EXPECT_NEAR(std::stod(valueByGdal(path, easting, northing)), x == 7 ? -9999 : hills(x, y), 1e-4);
+      }
+    }
+}
+
+TEST_F(Terrain, ScaleAndOffsetOfGdalAreApplied) {
+  test::TiffLayout t;
+  t.width = 41;
+  t.height = 31;
+  t.bits = 16;
+  t.format = 2;
+  t.nodata = "-32768";
+  std::vector<int16_t> samples;
+  for (int i = 0; i < 41 * 31; i++)
+    samples.push_back(i == 50 ? int16_t(-32768) : int16_t(std::lround(8 * hills(i % 41, i / 41))));
+  const auto item = [](const char* role, const char* sample, const char* value) {
+    return std::string("<Item name=\"X\" sample=\"") + sample + "\" role=\"" + role + "\">" + value + "</Item>";
+  };
+  const std::string path = folder + "/scaled.tif", options = " --cell 2 --azimuths 4";
+  const auto expected = run(write<float>(OIIO::TypeDesc::FLOAT, 41, 31,
+                                         [&](int x, int y) {
+                                           const int16_t sample = samples[size_t(y * 41 + x)];
+                                           return sample == -32768 ? NAN : 300 + 0.125 * sample;
+                                         }) +
+                            options);
+  for (const bool isBig : {false, true}) {
+    t.isBigEndian = t.isBigTiff = isBig;
+    t.metadata = "<GDALMetadata>\n  " + item("scale", "1", "7") + item("offset", "0", "300") +
+                 item("scale", "0", " 0.125") + "\n</GDALMetadata>\n";
+    test::writeTiff(path, t, test::bytesOf(samples));
+    const Picture found = run(path + options);
+    for (size_t i = 0; i < expected.values.size(); i++)
+      ASSERT_TRUE(found.values.at(i) == expected.values[i] || (i == 50 && std::isnan(found.values[i]))) << i;
+  }
+  t.metadata = "<GDALMetadata>" + item("scale", "0", "two") + "</GDALMetadata>";
+  test::writeTiff(path, t, test::bytesOf(samples));
+  expectRefusal(path, {path, "scale 'two'", "expected a finite number"});
 }
 
 /* Samples beside walls whose sky-view factor is farther than `tolerance` from the exact terrain's, and their number. */

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Writes small TIFF files of layouts that OpenImageIO's writer does not produce: signed integers, white as zero,
- * palettes, bilevel, CMYK, GDAL's tag for missing values, both byte orders and BigTIFF. Uncompressed. */
+ * palettes, bilevel, CMYK, tags of GeoTIFF and GDAL, both byte orders and BigTIFF. Uncompressed. */
 
 #include <algorithm>
 #include <cstddef>
@@ -26,8 +26,11 @@ struct TiffLayout {
   bool isPlanar = false;    // one plane per sample
   unsigned tile = 0;        // edge of the tiles, a multiple of 16; 0: one strip, or one per plane
   int extra = -1;           // ExtraSamples of the last sample: 0 unspecified, 1 associated alpha, 2 unassociated alpha
-  std::vector<uint16_t> colors;                // of a palette: all red, all green, all blue values
-  std::string nodata;                          // GDAL's tag 42113, left out if empty
+  std::vector<uint16_t> colors;                      // of a palette: all red, all green, all blue values
+  std::string nodata;                                // GDAL's tag 42113, left out if empty
+  std::string metadata;                              // GDAL's tag 42112
+  std::vector<double> pixelScale, tiepoints, matrix; // of GeoTIFF
+  std::vector<uint16_t> geoKeys;
   unsigned subfile = 0;                        // NewSubfileType: 1 a smaller copy of the page before, 4 a mask
   bool isBigEndian = false, isBigTiff = false; // for writeTiff; TiffWriter has its own
 };
@@ -76,21 +79,22 @@ public:
       addEntry(324, Long, offsets);  // TileOffsets
       addEntry(325, Long, sizes);    // TileByteCounts
     }
-    if (t.extra >= 0) addEntry(338, Short, {unsigned(t.extra)});      // ExtraSamples
-    addEntry(339, Short, std::vector<uint64_t>(t.samples, t.format)); // SampleFormat
-    if (t.photometric == 6) addEntry(530, Short, {1, 1});             // YCbCrSubSampling: none
-    if (!t.nodata.empty()) {
-      std::vector<uint64_t> text(t.nodata.begin(), t.nodata.end());
-      text.push_back(0);
-      addEntry(42113, Ascii, text); // GDAL_NODATA
-    }
+    if (t.extra >= 0) addEntry(338, Short, {unsigned(t.extra)});                          // ExtraSamples
+    addEntry(339, Short, std::vector<uint64_t>(t.samples, t.format));                     // SampleFormat
+    if (t.photometric == 6) addEntry(530, Short, {1, 1});                                 // YCbCrSubSampling: none
+    addNumbers(33550, t.pixelScale);                                                      // ModelPixelScaleTag
+    addNumbers(33922, t.tiepoints);                                                       // ModelTiepointTag
+    addNumbers(34264, t.matrix);                                                          // ModelTransformationTag
+    if (!t.geoKeys.empty()) addEntry(34735, Short, {t.geoKeys.begin(), t.geoKeys.end()}); // GeoKeyDirectoryTag
+    addText(42112, t.metadata);                                                           // GDAL_METADATA
+    addText(42113, t.nodata);                                                             // GDAL_NODATA
     writeDirectory();
   }
 
   void save(const std::string& path) const { std::ofstream(path, std::ios::binary) << bytes; }
 
 private:
-  enum Type { Ascii = 2, Short = 3, Long = 4 };
+  enum Type { Ascii = 2, Short = 3, Long = 4, Double = 12 };
 
   struct Entry {
     unsigned tag;
@@ -112,7 +116,19 @@ private:
     entries.push_back({tag, type, values});
   }
 
-  static unsigned typeBytes(Type type) { return type == Ascii ? 1 : type == Short ? 2 : 4; }
+  void addNumbers(unsigned tag, const std::vector<double>& numbers) {
+    std::vector<uint64_t> bits(numbers.size());
+    std::memcpy(bits.data(), numbers.data(), numbers.size() * sizeof(double));
+    if (!bits.empty()) addEntry(tag, Double, bits);
+  }
+
+  void addText(unsigned tag, const std::string& text) {
+    std::vector<uint64_t> letters(text.begin(), text.end());
+    letters.push_back(0);
+    if (!text.empty()) addEntry(tag, Ascii, letters);
+  }
+
+  static unsigned typeBytes(Type type) { return type == Ascii ? 1 : type == Short ? 2 : type == Double ? 8 : 4; }
 
   std::string valuesOf(const Entry& e) const {
     std::string text;

@@ -18,5 +18,6 @@ void defineScene(py::module_& module);       // after Camera, Hits and the geome
 void defineModelScene(py::module_& module);  // after Scene
 void defineLoadedScene(py::module_& module); // after Scene
 void defineTerrain(py::module_& module);
+void defineRasters(py::module_& module); // after Terrain
 
 } // namespace programs::python

@@ -388,3 +388,15 @@ def terrain(
     threads: int = 0,
     progress: Progress = None,
 ) -> Terrain: ...
+def read_raster(
+    path: Path, *, channel: str = "", encoding: str = "", nodata: Optional[float] = None, threads: int = 0
+) -> Dict[str, Any]: ...
+def write_raster(
+    path: Path,
+    values: ArrayLike,
+    like: Union[Terrain, Path],
+    *,
+    row: int = 0,
+    column: int = 0,
+    crs: Optional[Path] = None,
+) -> None: ...

@@ -69,4 +69,5 @@ PYBIND11_MODULE(embree_cbvh, module) {
   defineModelScene(module);
   defineLoadedScene(module);
   defineTerrain(module);
+  defineRasters(module);
 }

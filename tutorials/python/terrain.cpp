@@ -350,7 +350,8 @@ constexpr const char* makeText = R"(Builds a raster of heights of any size and r
 
 heights: (rows, columns), 2 to 2**23 each: an array, a numpy.memmap, or any object with a shape whose slices
   [row:row, column:column] are arrays, such as a dataset of h5py. It is read in parts of 1025 x 1025 samples, so it may
-  be larger than memory. NaN is a missing sample: triangles with it are left out.
+  be larger than memory. NaN is a missing sample: triangles with it are left out. read_raster() reads heights, cell and
+  origin of a GeoTIFF.
 cell: distance between samples, in the unit of the coordinates. A number c means (c, -c): columns go east, and rows from
   north to south. Two numbers are the steps of x per column and of y per row, as in a geotransform.
 origin: (x, y) of sample [0, 0], not of the corner of its pixel; a third number is added to all heights.

@@ -108,6 +108,7 @@ accuracy: width in degrees of the interval in which the horizon is found by bise
 threads: 0 for all.
 
 Nothing is seen beyond the raster: without terrain in a direction, the horizon is -90. Ctrl-C stops the call.
+write_raster() writes results for samples of the raster as a GeoTIFF.
 
 Raises ValueError or TypeError for invalid arguments, and Error if a block of a loaded file is damaged.)";
 

@@ -144,6 +144,22 @@ void warnIfRaised(const Options& options, const TerrainSpace& space, const std::
                                       shortNumber(options.startHeight) + ": floats are too coarse at these heights");
 }
 
+/* tags: of a GeoTIFF of the written samples. */
+void writeFactors(const Options& options, int w, int h, const std::vector<float>& factors, const GeoTags& tags) {
+  const std::string extension = lowerCase(std::filesystem::path(options.output).extension().string());
+  if (extension == ".tif" || extension == ".tiff") {
+    RasterSamples samples;
+    samples.width = size_t(w);
+    samples.height = size_t(h);
+    samples.data = factors.data();
+    writeGeoTiff(options.output, samples, tags);
+    return;
+  }
+  const bool isPng = extension == ".png" || extension.empty();
+  const OIIO::ImageSpec spec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT);
+  writeImageFile(options.output, spec, OIIO::TypeDesc::FLOAT, factors.data());
+}
+
 template<typename Terrain>
 void measure(const Options& options, Elevation& elevation, const TerrainSpace& space, Terrain& terrain) {
   float moved = 0;
@@ -186,10 +202,7 @@ void measure(const Options& options, Elevation& elevation, const TerrainSpace& s
   std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; "
               "mean sky-view factor %.4f\n",
               w, h, options.azimuths, million, seconds, million / seconds, valid ? sum / double(valid) : NAN);
-  const std::string extension = lowerCase(std::filesystem::path(options.output).extension().string());
-  const bool isPng = extension == ".png" || extension.empty();
-  const OIIO::ImageSpec spec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT);
-  writeImageFile(options.output, spec, OIIO::TypeDesc::FLOAT, factors.data());
+  writeFactors(options, w, h, factors, elevation.geoTags(x0, y0));
 }
 
 int run(int argc, char** argv) {

@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/input_files.h"
 #include "basics/parallel.h"
+#include "basics/setting_name.h"
 #include "scenes/noise.h"
 #include "surface/map_selection.h"
 
@@ -79,18 +80,22 @@ void Elevation::selectChannels(OIIO::TypeDesc type) {
   if (settings.encoding != HeightEncoding::Plain) {
     if (spec.nchannels < 3 || type != OIIO::TypeDesc::UINT8)
       throw Error(settings.path + ": the raster has " + found + " of type " + type.c_str() +
-                  ": expected red, green and blue of type uint8 for --encoding");
+                  ": expected red, green and blue of type uint8 for " + settingName("encoding"));
     image.setChannelRange({0, 0, NAN}); // a byte that equals GDAL's tag is no missing height
     return;
   }
   channel = settings.channel.empty() ? 0 : channelNumber(spec.channelnames, settings.channel);
   if (channel < 0)
-    throw Error(settings.path + ": unknown --channel '" + settings.channel + "': expected one of " + names);
+    throw Error(settings.path + ": unknown " + settingName("channel") + " '" + settings.channel +
+                "': expected one of " + names);
   if (settings.channel.empty() && spec.nchannels > 1)
-    throw Error(settings.path + ": the raster has " + found +
-                ": expected one channel, the heights; --channel selects "
-                "one of several, --encoding decodes heights from colors");
+    throw Error(settings.path + ": the raster has " + found + ": expected one channel, the heights; " +
+                settingName("channel") + " selects one of several, " + settingName("encoding") +
+                " decodes heights from colors");
   unit = image.unit();
+  try {
+    scale = heightScale(image.geoTags(), channel);
+  } catch (const Error& e) { throw Error(settings.path + ": " + e.what()); }
   image.setChannelRange({channel, 1, NAN});
 }
 
@@ -110,6 +115,7 @@ void Elevation::readRows(int begin, int end) {
   for (float& height : rows) {
     height = unit == 1 ? height : std::round(height * unit);
     if (settings.nodata && height == *settings.nodata) height = NAN;
+    if (!scale.isIdentity()) height = float(scale.offset + scale.scale * double(height));
   }
 }
 
@@ -151,6 +157,12 @@ std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned thr
       }
   });
   return heights;
+}
+
+GeoTags Elevation::geoTags(int x0, int y0) const {
+  GeoTags tags = image.geoTags();
+  if ((settings.repeatX > 1 || settings.repeatY > 1) && !samplePlaces(tags)) tags.tiepoints.clear();
+  return tagsOfPart(tags, size_t(x0), size_t(y0));
 }
 
 } // namespace programs

@@ -34,7 +34,9 @@ bool parseOptions(Options& options, int argc, char** argv) {
   app.add_option("raster", options.elevation.path, "elevation raster that OpenImageIO reads: 16-bit, signed or float")
       ->type_name("FILE")
       ->required();
-  app.add_option("--output", options.output, "sky-view factors: float in TIFF or EXR, 16-bit in PNG")
+  app.add_option("--output", options.output,
+                 "sky-view factors: float in TIFF or EXR, 16-bit in PNG; a TIFF gets the "
+                 "georeference of a GeoTIFF")
       ->type_name("FILE")
       ->capture_default_str();
   app.add_option("--cell", options.cell, "distance between samples")->capture_default_str();
@@ -45,7 +47,8 @@ bool parseOptions(Options& options, int argc, char** argv) {
                  "Terrain-RGB; samples "
                  "whose alpha is 0 are missing")
       ->type_name("terrarium|mapbox");
-  app.add_option("--nodata", options.elevation.nodata, "height of missing samples, in addition to NaN and GDAL's tag");
+  app.add_option("--nodata", options.elevation.nodata,
+                 "missing samples of the file, in addition to NaN and GDAL's tag");
   app.add_option("--height-repeat", repeat, "copies of the raster, every other one mirrored; N, or columns x rows [1]")
       ->type_name("N|NxM");
   app.add_option("--noise-height", options.elevation.noiseHeight,
