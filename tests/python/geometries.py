@@ -190,7 +190,9 @@ class Motion(unittest.TestCase):
             [
                 cbvh.Grid(np.stack([points, points + rise]), max_error=1e-5),
                 cbvh.Mesh(np.stack([vertices + 2 * rise, vertices + 3 * rise, vertices + 4 * rise]), quads),
-                cbvh.Grid.from_heights(np.stack([np.zeros((5, 5)), np.ones((5, 5))]), 0.25, (0, 0, 3), times=(0, 0.5)),
+                cbvh.Grid.from_heights(
+                    np.stack([np.zeros((5, 5)), np.ones((5, 5))]), (0.25, 0.25), (0, 0, 3), times=(0, 0.5)
+                ),
             ]
         )
         for geometry, height, start, speed in ((1, 2.5, 1, 1), (2, 4.5, 3, 2)):
@@ -260,10 +262,22 @@ class Arrays(unittest.TestCase):
         np.testing.assert_array_equal(a.u, b.u)
         self.assertTrue(a.hit.all())
 
+    def test_rows_go_south_as_in_terrains(self):
+        rng = np.random.default_rng(1)
+        heights = rng.uniform(0, 1, (20, 30))
+        inside = np.stack([rng.uniform(0.1, 57.9, 500), rng.uniform(-37.9, -0.1, 500), np.full(500, 9)], -1)
+        for cell in (2, (2, -2), np.float32(2), [2.0]):
+            grid = cbvh.Scene([cbvh.Grid.from_heights(heights, cell, max_error=0)]).intersect(inside, [0, 0, -1])
+            terrain = cbvh.terrain(heights, cell, max_error=0).intersect(inside, [0, 0, -1])
+            self.assertTrue(grid.hit.all() and terrain.hit.all())
+            np.testing.assert_allclose(grid.t, terrain.t, atol=1e-5)
+            self.assertTrue((grid.Ng[:, 2] < 0).all())
+        self.assertFalse(cbvh.Scene([cbvh.Grid.from_heights(heights)]).intersect([9, 9, 9], [0, 0, -1]).hit)
+
     def test_missing_heights_are_holes(self):
         heights = np.zeros((10, 10))
         heights[4, 5] = np.nan
-        scene = cbvh.Scene([cbvh.Grid.from_heights(heights)])
+        scene = cbvh.Scene([cbvh.Grid.from_heights(heights, (1, 1))])
         x, y = np.meshgrid(np.arange(9) + 0.25, np.arange(9) + 0.25)
         lower, upper = (scene.intersect(np.stack([x + d, y + d, 1 + 0 * x], -1), [0, 0, -1]).hit for d in (0, 0.5))
         self.assertEqual(np.argwhere(~lower).tolist(), [[3, 5], [4, 4], [4, 5]])
@@ -305,7 +319,8 @@ class Arrays(unittest.TestCase):
             (ValueError, "times: .*first one below", lambda: cbvh.Grid(waves(3, 3), times=(1, 1))),
             (ValueError, r"heights: .*\(3,\)", lambda: cbvh.Grid.from_heights([1, 2, 3])),
             (ValueError, "heights: .*infinite", lambda: cbvh.Grid.from_heights(heights + np.inf)),
-            (ValueError, r"cell: .*0\.", lambda: cbvh.Grid.from_heights(heights, 0)),
+            (ValueError, "cell: is 0: .*above 0", lambda: cbvh.Grid.from_heights(heights, 0)),
+            (ValueError, "cell: is -2: .*above 0", lambda: cbvh.Grid.from_heights(heights, -2)),
             (ValueError, r"origin: .*\(2,\).*\(3,\)", lambda: cbvh.Grid.from_heights(heights, 1, (1, 2))),
             (cbvh.Error, "^level 9 ", lambda: cbvh.Subdivision(sheet(), 9)),
             (TypeError, "geometries: item 1 is a int", lambda: cbvh.Scene([sheet(), 3])),

@@ -3,6 +3,7 @@
 
 #include "classes.h"
 #include "geometry.h"
+#include "georeference.h"
 #include "height_grid.h"
 #include "scene.h"
 #include "vertex_array.h"
@@ -139,18 +140,6 @@ std::shared_ptr<Grid> makeGrid(const py::object& points, const std::optional<flo
   return withSettings(std::make_shared<Grid>(points), maxError, times);
 }
 
-/* One number holds for both axes. */
-std::pair<double, double> readCell(const py::object& value) {
-  const Doubles cell(realNumbers(value, "cell"));
-  if (cell.ndim() > 1 || (cell.size() != 1 && cell.size() != 2))
-    throwValueError("cell", "has shape " + shapeText(shapeOf(cell)) + ": expected one or two numbers");
-  const double x = cell.data()[0], y = cell.data()[cell.size() - 1];
-  if (!std::isfinite(x) || !std::isfinite(y) || x == 0 || y == 0)
-    throwValueError("cell",
-                    "is (" + std::to_string(x) + ", " + std::to_string(y) + "): expected finite numbers other than 0");
-  return {x, y};
-}
-
 std::shared_ptr<HeightGrid> makeHeightGrid(const py::object& heights, const py::object& cell, const py::object& origin,
                                            const std::optional<float>& maxError, std::pair<float, float> times) {
   const std::pair<double, double> step = readCell(cell);
@@ -198,8 +187,10 @@ constexpr const char* heightsText = R"(Creates a grid of heights at equal distan
 
 heights: (rows, columns), or (steps, rows, columns) for heights that move, 2 to 65535 rows and columns. NaN is a missing
   sample: triangles with it are left out.
-cell: distance between samples, a number, or two for columns and rows, which may be negative.
-origin: (3,), position of sample [0, 0]. Sample [row, column] is at origin + (column * cell, row * cell, height).
+cell: distance between samples, as in terrain(). A number c means (c, -c): columns go east, and rows from north to
+  south. Two numbers are the steps of x per column and of y per row, and may be negative.
+origin: (3,), position of sample [0, 0]. Sample [row, column] is at origin + (column * cell[0], row * cell[1], height).
+  Ng of hits points downward if rows go south, and upward if they go north.
 max_error, times: as in Grid.
 
 An array of float32 is not copied. It is read while a Scene is built: do not change it until then. Positions are

@@ -8,6 +8,17 @@
 
 namespace programs::python {
 
+std::pair<double, double> readCell(const py::object& value) {
+  const Doubles cell(realNumbers(value, "cell"));
+  if (cell.ndim() > 1 || cell.size() < 1 || cell.size() > 2)
+    throwValueError("cell", "has shape " + shapeText(shapeOf(cell)) + ": expected one or two numbers");
+  const double x = cell.data()[0], y = cell.size() == 2 ? cell.data()[1] : -x;
+  if (!std::isfinite(x) || !std::isfinite(y) || x == 0 || y == 0 || (cell.size() == 1 && x < 0))
+    throwValueError("cell", "is " + std::string(py::str(value)) +
+                                ": expected a number above 0, or two finite numbers other than 0");
+  return {x, y};
+}
+
 Georeference::Georeference(size_t rows, size_t columns, double cellX, double cellY, Vec3d origin, double maxError)
   : rows(rows),
     columns(columns),

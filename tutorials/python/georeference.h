@@ -15,6 +15,10 @@
 
 namespace programs::python {
 
+/* Steps of x per column and of y per row. A number c means (c, -c), because the first row of a raster is the northern
+ * one. Throws ValueError or TypeError. */
+std::pair<double, double> readCell(const py::object& value);
+
 class Georeference {
 public:
   Georeference() = default;

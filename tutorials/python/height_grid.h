@@ -16,8 +16,8 @@ constexpr py::ssize_t mostSamples = 65535;
 
 class HeightGrid : public SurfaceGeometry {
 public:
-  /* Requires shape (rows, columns) or (steps, rows, columns). Heights may be NaN, but not infinite. cell: distance of
-   * columns and rows. origin: of sample [0, 0]. */
+  /* Requires shape (rows, columns) or (steps, rows, columns). Heights may be NaN, but not infinite. cellX, cellY:
+   * from a column, or a row, to the next one. origin: of sample [0, 0]. */
   HeightGrid(const py::object& heights, Vec3d origin, double cellX, double cellY);
 
   size_t numPrimitives() const override { return 1; }

@@ -89,18 +89,6 @@ private:
 
 /* --- arguments --------------------------------------------------------------------- */
 
-/* A number c means (c, -c): the first row is the northern one. */
-std::pair<double, double> readCell(const py::object& value) {
-  const Doubles cell(realNumbers(value, "cell"));
-  if (cell.ndim() > 1 || cell.size() < 1 || cell.size() > 2)
-    throwValueError("cell", "has shape " + shapeText(shapeOf(cell)) + ": expected one or two numbers");
-  const double x = cell.data()[0], y = cell.size() == 2 ? cell.data()[1] : -x;
-  if (!std::isfinite(x) || !std::isfinite(y) || x == 0 || y == 0 || (cell.size() == 1 && x < 0))
-    throwValueError("cell", "is " + std::string(py::str(value)) +
-                                ": expected a number above 0, or two finite numbers other than 0");
-  return {x, y};
-}
-
 Vec3d readOrigin(const py::object& value) {
   const Doubles origin(realNumbers(value, "origin"));
   if (origin.ndim() != 1 || (origin.size() != 2 && origin.size() != 3))
