@@ -44,8 +44,9 @@ RTCCompressionStatistics compressionOf(EmbreeDevice& device, RTCScene scene) {
 }
 
 /* Opening a geometry reads its tree. */
-SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
-  : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa))) {
+SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa, Form form)
+  : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa) +
+                                          (form == Form::Tiles ? ",subdiv_accel=cbvh.tile" : ""))) {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t used = std::clock();
   CbvhFile opened = nullptr;

@@ -29,8 +29,12 @@ SurfaceHit surfaceHitOf(const RTCRayHit& ray, const FaceNumbers& faces);
 
 class SavedScene : public TracedScene {
 public:
+  /* Form of the blocks of a file that stores cVERT. Files are mapped; tiles are in memory, have the same hits, and are
+   * traced faster. The library keeps files mapped whose tiles would take more than half of the machine's memory. */
+  enum class Form { Mapped, Tiles };
+
   /* Opens a file and commits a scene of all its geometries. `isa` as in BuildSettings. Throws Error. */
-  SavedScene(const std::string& path, unsigned threads, const std::string& isa = "");
+  SavedScene(const std::string& path, unsigned threads, const std::string& isa = "", Form form = Form::Mapped);
 
   RTCScene handle() const override { return scene.get(); }
   const SceneTracer& tracer() const override { return *embreeTracer; }

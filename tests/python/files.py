@@ -109,6 +109,19 @@ class Files(unittest.TestCase):
                 with self.assertRaisesRegex(cbvh.Error, self.path):
                     pickle.loads(stored)
 
+    def test_tiles_of_files_have_the_same_hits(self):
+        origins, directions = rays_from_above()
+        scene = cbvh.build(bumpy_model(), "cvert", 5)
+        scene.save(self.path)
+        mapped, tiled = (cbvh.load(self.path, representation=name) for name in ("cvert", "ctile"))
+        a, b = (s.intersect(origins, directions) for s in (mapped, tiled))
+        self.assertTrue(a.hit.any())
+        np.testing.assert_array_equal(a.t, b.t)
+        np.testing.assert_array_equal(a.primID, b.primID)
+        self.assertGreater(tiled.statistics()["live_bytes"], mapped.statistics()["live_bytes"] + 3 * mapped.quads)
+        with self.assertRaisesRegex(ValueError, "representation: .*'ctile' or 'cvert'"):
+            cbvh.load(self.path, representation="grid")
+
     def test_loaded_scenes_match_saved_ones(self):
         origins, directions = rays_from_above()
         for name in ("cvert", "cleaf", "cvoxel", "cgrid"):

@@ -197,10 +197,17 @@ class Tiles(unittest.TestCase):
             path = os.path.join(folder, "hills.cbvh")
             terrain = cbvh.terrain(self.heights, 0.3, NATIONAL, path=path)
             self.assertEqual(sorted(os.listdir(folder)), ["hills.cbvh", "hills.cbvh.json"])
-            for scene in (terrain, cbvh.Terrain.load(path)):
+            tiles = cbvh.Terrain.load(path, representation="ctile")
+            built = cbvh.terrain(self.heights, 0.3, NATIONAL, path=path + "2", representation="ctile")
+            for tiled in (tiles, built):  # in memory
+                self.assertGreater(tiled.statistics()["live_bytes"], 4 * 1499 * 2099)
+            self.assertLess(terrain.statistics()["live_bytes"], 1499 * 2099)
+            for scene in (terrain, cbvh.Terrain.load(path), tiles, built):
                 hits = scene.intersect(*rays)
                 np.testing.assert_array_equal(hits.t, expected.t)
                 np.testing.assert_array_equal(hits.normal, expected.normal)
+            with self.assertRaisesRegex(ValueError, "representation: .*'cvert'"):
+                cbvh.Terrain.load(path, representation="cleaf")
             with self.assertRaisesRegex(cbvh.Error, "none"):
                 cbvh.terrain(self.heights, path=os.path.join(folder, "none", "hills"))
 

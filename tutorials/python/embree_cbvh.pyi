@@ -317,7 +317,7 @@ def build(
     progress: Progress = None,
 ) -> ModelScene: ...
 def pixel_errors(hits: Hits, reference: Hits, pixel_size: float) -> Floats: ...
-def load(path: Path, *, threads: int = 0) -> LoadedScene: ...
+def load(path: Path, *, representation: str = "cvert", threads: int = 0) -> LoadedScene: ...
 
 class TerrainHits:
     @property
@@ -337,7 +337,7 @@ class TerrainHits:
 
 class Terrain:
     @staticmethod
-    def load(path: Path, *, threads: int = 0) -> Terrain: ...
+    def load(path: Path, *, representation: str = "cvert", threads: int = 0) -> Terrain: ...
     def intersect(
         self,
         origins: ArrayLike,
@@ -383,7 +383,7 @@ def terrain(
     *,
     max_error: Optional[float] = None,
     nodata: Optional[float] = None,
-    representation: str = "ctile",
+    representation: Optional[str] = None,
     path: Optional[Path] = None,
     threads: int = 0,
     progress: Progress = None,

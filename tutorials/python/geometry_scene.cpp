@@ -119,6 +119,11 @@ Representation readExactRepresentation(const std::string& name) {
   throwValueError("representation", "is '" + name + "': expected 'ctile' or 'cvert'; build() has others for models");
 }
 
+SavedScene::Form readForm(const std::string& representation) {
+  const bool isTiled = readExactRepresentation(representation).kind == RepresentationKind::CTile;
+  return isTiled ? SavedScene::Form::Tiles : SavedScene::Form::Mapped;
+}
+
 namespace {
 
 class GeometryScene : public Scene {

@@ -10,6 +10,7 @@
 
 #include "building/embree_device.h"
 #include "building/representation.h"
+#include "building/saved_scene.h"
 #include "building/subdivision_geometry.h"
 #include "building/surface_handles.h"
 #include "building/traced_scene.h"
@@ -70,5 +71,6 @@ extern const char* const buildGeometriesText;
 
 /* "ctile" or "cvert". Raises ValueError for other words. */
 Representation readExactRepresentation(const std::string& name);
+SavedScene::Form readForm(const std::string& representation);
 
 } // namespace programs::python

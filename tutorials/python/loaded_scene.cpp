@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "classes.h"
+#include "geometry_scene.h"
 #include "interruptible.h"
 #include "json_objects.h"
 #include "open_files.h"
@@ -63,10 +64,12 @@ public:
   const std::unique_ptr<const SavedScene> saved;
 };
 
-std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int threads) {
+std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, const std::string& representation,
+                                      int threads) {
   const unsigned n = threadsOf(threads);
+  const SavedScene::Form form = readForm(representation);
   return interruptibleBuild(py::none(), [&] {
-    auto scene = std::make_shared<LoadedScene>(path.string(), std::make_unique<SavedScene>(path.string(), n));
+    auto scene = std::make_shared<LoadedScene>(path.string(), std::make_unique<SavedScene>(path.string(), n, "", form));
     OpenFiles<LoadedScene>::ofProcess().add(path, scene);
     return scene;
   });
@@ -75,19 +78,22 @@ std::shared_ptr<LoadedScene> loadFile(const std::filesystem::path& path, int thr
 /* For pickle. */
 std::shared_ptr<LoadedScene> loadOnce(const std::filesystem::path& path) {
   const std::shared_ptr<LoadedScene> known = OpenFiles<LoadedScene>::ofProcess().find(path);
-  return known ? known : loadFile(path, 0);
+  return known ? known : loadFile(path, "cvert", 0);
 }
 
 constexpr const char* loadText =
     R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.
 
 path: of the file, str or os.PathLike. The file must not be modified while it is open.
+representation: "cvert" or "ctile", of blocks of cVERT. "cvert" maps the file: parts that no ray reaches stay on disk.
+  "ctile" reads the whole file and makes tiles, which take twice the memory, or stays with "cvert" if they took more
+  than half of the machine's memory. Rays are faster, and have the same hits.
 threads: of the device, 0 for all.
 
-The scene has no model, but the same hits to the bit. The file is mapped: parts that no ray reaches stay on disk.
+The scene has no model, but the same hits to the bit.
 
 pickle stores the absolute path instead of the scene. Processes that receive it, such as Dask's workers, open the file
-themselves, once for all copies.
+themselves, as "cvert", once for all copies.
 
 Raises Error with the reason for a file that is truncated, altered, of another version, or not such a file.)";
 
@@ -103,7 +109,8 @@ void defineLoadedScene(py::module_& module) {
           "open_seconds", [](const LoadedScene& s) { return s.saved->seconds(); },
           "Time for opening the file and committing the scene, in seconds.")
       .def(py::pickle([](const LoadedScene& s) { return s.file; }, &loadOnce));
-  module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
+  module.def("load", &loadFile, arg("path"), py::kw_only(), arg("representation") = "cvert", arg("threads") = 0,
+             loadText);
 }
 
 } // namespace programs::python

@@ -135,11 +135,12 @@ Georeference readGeoreference(const fs::path& path) {
   }
 }
 
-std::shared_ptr<Terrain> load(const fs::path& path, int threads) {
+std::shared_ptr<Terrain> load(const fs::path& path, const std::string& representation, int threads) {
   const unsigned n = threadsOf(threads);
+  const SavedScene::Form form = readForm(representation);
   return interruptibleBuild(py::none(), [&] {
     const Georeference space = readGeoreference(georeferencePath(path));
-    std::unique_ptr<const SavedScene> scene = std::make_unique<SavedScene>(path.string(), n);
+    std::unique_ptr<const SavedScene> scene = std::make_unique<SavedScene>(path.string(), n, "", form);
     const double seconds = scene->seconds();
     auto terrain = std::make_shared<Terrain>(space, std::move(scene), seconds, fs::absolute(path));
     OpenFiles<Terrain>::ofProcess().add(path, terrain);
@@ -157,7 +158,7 @@ fs::path pickled(const Terrain& terrain) {
 
 std::shared_ptr<Terrain> loadOnce(const fs::path& path) {
   const std::shared_ptr<Terrain> known = OpenFiles<Terrain>::ofProcess().find(path);
-  return known ? known : load(path, 0);
+  return known ? known : load(path, "cvert", 0);
 }
 
 /* --- building -------------------------------------------------------------------- */
@@ -189,9 +190,11 @@ private:
 /* Keeps no tile in memory. */
 class FileBuilder : public TerrainBuilder {
 public:
-  FileBuilder(const Georeference& space, fs::path path, unsigned threads)
+  /* form: of the finished scene. */
+  FileBuilder(const Georeference& space, fs::path path, SavedScene::Form form, unsigned threads)
     : space(space),
       path(std::move(path)),
+      form(form),
       threads(threads),
       device(Representation{RepresentationKind::CVert}, threads, "") {
     requireNoInputFile(this->path.string());
@@ -210,12 +213,13 @@ public:
     cbvhCommitFileWriter(writer.get());
     device.check("saving");
     writeGeoreference(space, path);
-    return std::make_unique<SavedScene>(path.string(), threads);
+    return std::make_unique<SavedScene>(path.string(), threads, "", form);
   }
 
 private:
   const Georeference& space;
   fs::path path;
+  SavedScene::Form form;
   unsigned threads;
   BuiltGeometries device;  // builds surfaces, and stays empty
   FileWriterHandle writer; // released before its device
@@ -223,8 +227,8 @@ private:
 
 std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell, const py::object& origin,
                                      const std::optional<double>& maxError, const std::optional<double>& nodata,
-                                     const std::string& representation, const std::optional<fs::path>& path,
-                                     int threads, const py::object& progress) {
+                                     const std::optional<std::string>& representation,
+                                     const std::optional<fs::path>& path, int threads, const py::object& progress) {
   if (!py::hasattr(heights, "shape")) heights = realNumbers(heights, "heights");
   const Shape shape = heights.attr("shape").cast<Shape>();
   if (shape.size() != 2 || shape[0] < 2 || shape[1] < 2 || shape[0] > 1 << 23 || shape[1] > 1 << 23)
@@ -235,15 +239,15 @@ std::shared_ptr<Terrain> makeTerrain(py::object heights, const py::object& cell,
     throwValueError("max_error", "is " + std::to_string(bound) + ": expected 0, or 1e-30 to 1e30");
   const size_t rows = size_t(shape[0]), columns = size_t(shape[1]);
   const Georeference space(rows, columns, cellX, cellY, readOrigin(origin), bound);
-  const Representation kind = readExactRepresentation(representation);
+  const std::string name = representation.value_or(path ? "cvert" : "ctile");
   const unsigned n = threadsOf(threads);
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
     throw py::type_error("progress: is not callable: expected None or a callable");
 
   const std::unique_ptr<TerrainBuilder> builder =
       interruptibleBuild(py::none(), [&]() -> std::unique_ptr<TerrainBuilder> {
-        if (path) return std::make_unique<FileBuilder>(space, *path, n);
-        return std::make_unique<MemoryBuilder>(kind, n);
+        if (path) return std::make_unique<FileBuilder>(space, *path, readForm(name), n);
+        return std::make_unique<MemoryBuilder>(readExactRepresentation(name), n);
       });
   const size_t down = (rows - 2) / tileQuads + 1, across = (columns - 2) / tileQuads + 1;
   double seconds = 0;
@@ -346,9 +350,11 @@ origin: (x, y) of sample [0, 0], not of the corner of its pixel; a third number 
 max_error: heights are rounded to multiples of the largest power of two that is not above it, and so move by at most
   half of it. x and y do not move. 0 keeps heights, as 32-bit floats. None is 1/128 of a cell.
 nodata: value of missing samples, in addition to NaN.
-representation: "ctile", or "cvert", which is smaller and slower. Ignored with a path.
-path: of a file, as of Terrain.save, to which parts are written as soon as they are built. The terrain is then traced in
-  the file, as cVERT, and may be larger than memory. None keeps the terrain in memory.
+representation: in which rays trace the terrain: "ctile", or "cvert", which is smaller and slower. Hits are the same.
+  None is "ctile" in memory, and "cvert" with a path.
+path: of a file, as of Terrain.save, to which parts are written as soon as they are built. With "cvert", the terrain is
+  then traced in the file, and may be larger than memory. "ctile" makes tiles as Terrain.load does. None keeps the
+  terrain in memory.
 threads: for building, 0 for all.
 progress: called with "terrain" and the fraction done, 0 to 1. An exception that it raises stops the build.
 
@@ -381,10 +387,10 @@ Raises Error if a file cannot be written.)";
 constexpr const char* loadText = R"(Opens a file that Terrain.save wrote, and returns a Terrain with the same hits.
 
 path: of the file, str or os.PathLike. It must not be modified while it is open.
-threads: of the device, 0 for all.
+representation, threads: as in load(). Files store cVERT. By default, the file is mapped and traced as it is.
 
-The file is mapped: parts that no ray reaches stay on disk. pickle stores the absolute path of a terrain in a file, as
-for scenes of embree_cbvh.load(). Raises Error with the reason for invalid files.)";
+pickle stores the absolute path of a terrain in a file, as for scenes of load(). Raises Error with the reason for
+invalid files.)";
 
 } // namespace
 
@@ -393,7 +399,9 @@ void defineTerrain(py::module_& module) {
   const py::float_ zero(0.0), infinity(INFINITY);
   defineTerrainHits(module);
   py::class_<Terrain, std::shared_ptr<Terrain>> terrain(module, "Terrain", terrainText);
-  terrain.def_static("load", &load, arg("path"), py::kw_only(), arg("threads") = 0, loadText)
+  terrain
+      .def_static("load", &load, arg("path"), py::kw_only(), arg("representation") = "cvert", arg("threads") = 0,
+                  loadText)
       .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
            py::kw_only(), arg("threads") = 0, intersectText)
       .def("occluded", &occluded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
@@ -424,7 +432,7 @@ void defineTerrain(py::module_& module) {
   defineHorizons(terrain);
   module.def("terrain", &makeTerrain, arg("heights"), arg("cell") = 1.0, arg("origin") = py::make_tuple(0.0, 0.0),
              py::kw_only(), arg("max_error") = py::none(), arg("nodata") = py::none(),
-             arg("representation") = optionNameOf(preferredKind), arg("path") = py::none(), arg("threads") = 0,
+             arg("representation") = py::none(), arg("path") = py::none(), arg("threads") = 0,
              arg("progress") = py::none(), makeText);
 }
 
