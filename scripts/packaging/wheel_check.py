@@ -94,7 +94,7 @@ def version_problems(versions, newest):
 def problems_of(folder, interpreters, newest):
     """Returns a list of (file, problem) of the unpacked wheel in `folder`, and its number of programs and libraries.
 
-    interpreters: the versions of CPython in the wheel's name, such as ["cp311", "cp313"]
+    interpreters: the versions of CPython in the wheel's name, such as ["cp311", "cp313", "cp314"]
     newest: the newest versions of symbols of its systems, see NEWEST
     """
     folder = Path(folder).resolve()

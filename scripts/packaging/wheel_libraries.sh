@@ -5,7 +5,8 @@
 # Builds OpenImageIO and libtiff for a Python wheel, from Debian's source packages, and gets the headers of pybind11 and
 # of further versions of CPython.
 #
-#   wheel_libraries.sh DIRECTORY [JOBS]    installs into DIRECTORY/prefix, and unpacks headers to DIRECTORY/trixie
+#   wheel_libraries.sh DIRECTORY [JOBS]    installs into DIRECTORY/prefix, and unpacks headers to DIRECTORY/trixie and
+#                                          DIRECTORY/forky
 #
 # Debian's OpenImageIO needs 250 libraries of 420 MB, among them FFmpeg, GDAL, OpenCV and OpenVDB. This one reads and
 # writes TIFF, OpenEXR, PNG, JPEG, Radiance HDR, BMP and PNM. It is a static library whose symbols are hidden, so that
@@ -89,8 +90,9 @@ unpack_headers() {
 }
 
 # A module for another version of CPython requires only its headers. Debian 12's pybind11 supports neither NumPy 2 nor
-# Python 3.13.
+# Python 3.13; Debian 13's also supports Python 3.14, which Debian 14 will have.
 unpack_headers trixie pybind11-dev libpython3.13-dev
+unpack_headers forky libpython3.14-dev
 
 unpack tiff 4.5.0 bookworm 638f43d7dea33948d5dee7f39572fc0194d9cc3c74195de9dd26a4388a1f880a
 install tiff -DBUILD_SHARED_LIBS=ON -Djbig=OFF -Dwebp=OFF -Djpeg12=OFF -Dcxx=OFF \

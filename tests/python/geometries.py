@@ -251,7 +251,7 @@ class Arrays(unittest.TestCase):
 
     def test_heights_are_placed_by_cell_and_origin(self):
         heights = waves(12, 9)[..., 2].astype(np.float32)
-        points = np.stack(np.meshgrid(2 + 0.5 * np.arange(9), 7 - 0.25 * np.arange(12)) + [10 + heights], -1)
+        points = np.stack([*np.meshgrid(2 + 0.5 * np.arange(9), 7 - 0.25 * np.arange(12)), 10 + heights], -1)
         rng = np.random.default_rng(1)
         origins = np.stack([rng.uniform(2, 6, 500), rng.uniform(4.3, 7, 500), np.full(500, 20)], -1)
         scenes = [

@@ -182,7 +182,7 @@ class Rasters(unittest.TestCase):
             (cbvh.Error, "2.tif: .*input", lambda: cbvh.write_raster(plain, values, terrain)),
             (cbvh.Error, "none", lambda: cbvh.write_raster(path + "/none/a.tif", values, terrain)),
             (cbvh.Error, "none", lambda: cbvh.read_raster(path + "none")),
-            (cbvh.Error, "\.tif: unknown channel 'a'", lambda: cbvh.read_raster(source, channel="a")),
+            (cbvh.Error, r"\.tif: unknown channel 'a'", lambda: cbvh.read_raster(source, channel="a")),
             (TypeError, "cell: ", lambda: cbvh.terrain(**cbvh.read_raster(plain))),
             (ValueError, "encoding: .*mapbox", lambda: cbvh.read_raster(source, encoding="x")),
             (ValueError, "channel: .*none", lambda: cbvh.read_raster(source, channel="Y", encoding="mapbox")),

@@ -53,7 +53,7 @@ def check_libraries(package):
 def main():
     folder, version = str(pathlib.Path(sys.argv[1]).resolve()), sys.argv[2]
     interpreter = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    # embree_cbvh-0.9.0-cp311.cp313-cp311.cp313-manylinux_2_36_x86_64.whl
+    # embree_cbvh-0.9.0-cp311.cp313.cp314-cp311.cp313.cp314-manylinux_2_36_x86_64.whl
     wheels = [
         wheel
         for wheel in sorted(pathlib.Path(folder).glob(f"embree_cbvh-{version}-*.whl"))
