@@ -2,139 +2,186 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the tables of docs/performance.md and README.md in one run of cbvh_bench, and writes them into the pages.
+"""Measures memory, builds, rays and errors of all scenes in one run of cbvh_bench, and writes the tables of
+docs/measurements.md, the table and the headline of README.md, and the chart docs/memory.svg.
 
-    scripts/performance.py                  measures on the widest instruction set, some ten minutes
-    scripts/performance.py --record FILE    uses a record of cbvh_bench --json, made with at least the options OPTIONS
-                                            and --mode of measure() in this file
-
-If the headline's figures change, change them in docs/figures.csv, too.
+    scripts/performance.py                  measures on the widest instruction set: a quarter of an hour, 12 GiB
+    scripts/performance.py --record FILE    uses a record that an earlier run left in output/performance.json
 """
 
 import argparse
-import re
+import json
 import subprocess
-import tempfile
 import textwrap
 from pathlib import Path
 
 import bench_records as records
+import memory_chart
 from benchmark import Failure, build_info
 from reporting.formats import Table
 from reporting.records import as_table, rows_of_record
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE, README = ROOT / "docs/performance.md", ROOT / "README.md"
-TABLE, HEADLINE = "scripts/performance.py", "scripts/performance.py, headline"
+PAGE, README, CHART = ROOT / "docs/measurements.md", ROOT / "README.md", ROOT / "docs/memory.svg"
+RECORD = ROOT / "output/performance.json"
+NAME = "scripts/performance.py"
 
 SCENES, VIEWS = ("trex", "frog", "scythe", "knee", "cube"), ("full", "close")
-# a large one, one that partly fits into the caches, and the smallest, which is the worst case
-FRONT_SCENES = ("trex", "frog", "cube")
-KINDS = ("cVERT", "cLEAF", "cVOXEL", "cGRID")
+TRIANGLES, COMPACT, EMBREE, OURS, SMALL = "NAIVE", "NAIVE-compact", "GRID", "cTILE", "cVERT"
+PAPER = ("cLEAF", "cVOXEL", "cGRID")
+SHARED = f"--scene {','.join(SCENES)} --level 6 --frame-level auto --size 512x512 --true-surface 0"
+# Embree's compact mode has the hits of its triangles, and only its memory is measured.
+COMPACT_OPTIONS = f"{SHARED} --view full --representation naive-compact --repeat 0"
 OPTIONS = (
-    f"--scene {','.join(SCENES)} --level 6 --view {','.join(VIEWS)} --representation grid,cgrid,cvoxel,cleaf,cvert "
-    "--frame-level auto --query closest,any --size 512x512 --true-surface 0 --repeat 9"
+    f"{SHARED} --view {','.join(VIEWS)} --representation naive,grid,cgrid,cvoxel,cleaf,cvert,ctile"
+    " --query closest,any --repeat 9"
 )
 PACKETS = {"avx512": "packet16", "avx2": "packet8", "avx": "packet8", "sse4.2": "packet4", "sse2": "packet4"}
 
-# Speeds relative to GRID's that the tables show: ray set, query, and whether rays are traced in packets.
+# Speeds: ray set, query, and whether rays are traced in packets.
 COHERENT, INCOHERENT = ("coherent", "closest", False), ("incoherent", "closest", False)
 ANY = (("coherent", "any", False), ("incoherent", "any", False))
-PACKET = ("coherent", "closest", True)
-COLUMNS = [("cVERT", (COHERENT, INCOHERENT)), ("- any hit", ANY), ("- packets", (PACKET,))]
-COLUMNS += [(kind, (COHERENT, INCOHERENT)) for kind in KINDS[1:]]
+SINGLE, PACKET = (COHERENT, INCOHERENT), (("coherent", "closest", True),)
+COLUMNS = [(EMBREE, EMBREE, SINGLE), (OURS, OURS, SINGLE), ("- any hit", OURS, ANY), ("- packets", OURS, PACKET)]
+COLUMNS += [(kind, kind, SINGLE) for kind in (SMALL, *PAPER)]
+
+
+def run(bench, options, path):
+    """Runs cbvh_bench and returns its record."""
+    subprocess.run([str(word) for word in (bench, *options.split(), "--json", path)], check=True)
+    return records.read(path)
 
 
 def measure(bench):
-    """Measures all scenes in one process and returns the record."""
+    """Measures all scenes in one process, and Embree's compact mode in another. Returns the record of both."""
+    RECORD.parent.mkdir(parents=True, exist_ok=True)
     widest = build_info(bench)["isas"][-1]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "speeds.json"
-        words = [bench, *OPTIONS.split(), "--isa", widest, "--mode", f"single,{PACKETS[widest]}", "--json", path]
-        subprocess.run([str(word) for word in words], check=True)
-        return records.read(path)
+    record = run(bench, f"{OPTIONS} --isa {widest} --mode single,{PACKETS[widest]}", RECORD)
+    record["groups"] += run(bench, f"{COMPACT_OPTIONS} --isa {widest}", RECORD.with_name("compact.json"))["groups"]
+    RECORD.write_text(json.dumps(record), encoding="utf-8")
+    return record
 
 
-def rows_of(record):
-    """Returns a record as a pandas table; if it has several libraries, only the last one's rows."""
-    rows = rows_of_record(record, "")
-    return as_table([row for row in rows if row.get("library") == rows[-1].get("library")])
+class Measured:
+    """A record, by scene, representation and view."""
+
+    def __init__(self, record):
+        rows = as_table(rows_of_record(record, ""))
+        self.run = rows.iloc[0]
+        self.speeds = rows[(rows.what == "speed") & (rows.threads == 1)]
+        built = rows[rows["view"] == "full"].drop_duplicates(["scene", "kind"], keep="first")
+        self.built = {(row.scene, row.kind): row for _, row in built.iterrows()}
+
+    def mebibytes(self, scene, kind):
+        return self.built[scene, kind].memory_live_bytes / 2**20
+
+    def bytes_per_quad(self, scene, kind):
+        return self.built[scene, kind].memory_live_bytes / self.built[scene, EMBREE].quads
+
+    def smaller(self, than, kind):
+        """Returns the least and the largest factor by which a kind is smaller, of all scenes."""
+        factors = [self.mebibytes(scene, than) / self.mebibytes(scene, kind) for scene in SCENES]
+        return min(factors), max(factors)
+
+    def speed(self, scene, view, kind, rays, base=TRIANGLES):
+        """Returns the speed relative to a base, as a ratio of medians."""
+        ray_set, query, in_packets = rays
+        rows = self.speeds[(self.speeds.scene == scene) & (self.speeds["view"] == view)]
+        rows = rows[(rows["ray_set"] == ray_set) & (rows["query"] == query)]
+        rows = rows[rows["mode"] == (PACKETS[self.run.isa] if in_packets else "single")].set_index("kind")
+        return rows.mrays_per_second_median[kind] / rows.mrays_per_second_median[base]
+
+    def speeds_in_words(self, scene, view, kind, rays, base=TRIANGLES):
+        return " ".join(f"{self.speed(scene, view, kind, one, base):.2f}" for one in rays)
+
+    def range_of_speeds(self, kind, base):
+        """Returns the least and the largest speed of single rays, closest hit, over scenes, views and ray sets."""
+        ratios = [self.speed(s, view, kind, rays, base) for s in SCENES for view in VIEWS for rays in SINGLE]
+        return min(ratios), max(ratios)
+
+    def source(self):
+        run = self.run
+        return f"{run.run_cpu}, {run.isa.upper()}, {run.run_date[:10]}, commit {run.run_commit[:12]}"
 
 
-def cell(rows, shown):
-    """rows: one scene, kind and view."""
-    ratios = []
-    for ray_set, query, in_packets in shown:
-        modes = rows.isa.map(PACKETS) if in_packets else "single"
-        found = rows[
-            (rows["ray_set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)
-        ]
-        ratios.append(f"{found.relative_to_grid_median.iloc[0]:.2f}")
-    return " ".join(ratios)
+def rounded(mebibytes):
+    return f"{mebibytes:,.0f}" if mebibytes >= 10 else f"{mebibytes:.2f}"
 
 
-def lines_of(rows):
-    first, out = rows.iloc[0], []
-    for scene in SCENES:
-        for view in VIEWS:
-            cells, kind = [], ""
-            for name, shown in COLUMNS:
-                kind = kind if name.startswith("-") else name
-                cells.append(cell(rows[(rows.scene == scene) & (rows.kind == kind) & (rows["view"] == view)], shown))
-            out.append([f"{scene}, {view}", *cells])
-    source = f"{first.run_cpu}, {first.isa.upper()}, {first.run_date[:10]}, commit {first.run_commit}."
-    return [*Table(["", *(name for name, _ in COLUMNS)], out).markdown().split("\n"), source, ""]
+def times(limits):
+    return " to ".join(f"{limit:.0f}" for limit in limits)
 
 
-def full_views(rows):
-    """{(scene, kind): row} of full views."""
-    rows = rows[rows["view"] == "full"].drop_duplicates(["scene", "kind"], keep="last")
-    return {(row.scene, row.kind): row for _, row in rows.iterrows()}
-
-
-def speeds_of_page():
-    """Speeds of cVERT's single rays in docs/performance.md: (coherent, incoherent) by "scene, view"."""
-    rows = re.findall(r"^\| (\w+, \w+) \| ([\d.]+) ([\d.]+) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-    return {name: (coherent, incoherent) for name, coherent, incoherent in rows}
-
-
-def front_table(rows):
-    """GRID and cVERT in full views of three scenes."""
-    heads = ["scene", "million quads", "MiB: GRID", "cVERT", "build, s: GRID", "cVERT", "coherent rays"]
-    heads += ["incoherent rays", "error, pixels"]
-    views, speeds, out = full_views(rows), speeds_of_page(), []
-    for scene in FRONT_SCENES:
-        pair = [views[scene, kind] for kind in ("GRID", "cVERT")]
-        cells = [scene, f"{pair[0].quads / 1e6:.2f}", *(f"{row.memory_live_bytes / 2**20:.2f}" for row in pair)]
-        cells += [f"{row.build_seconds:.3f}" for row in pair]
-        out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors_p99_pixels:.3f}"])
-    run = rows.iloc[0]
-    source = (
-        "Level 6 (64 x 64 quads per face; level 4: [5 to 8 times](docs/figures.md#memory-4) less memory), full views,"
-        " 512 x 512 pixels. Error: 99th percentile of distances from GRID's hits. Memory, build"
-        f" ({run.run_hardware_threads} threads), error: {run.run_cpu}, {run.run_date[:10]}, commit"
-        f" {run.run_commit[:12]} (`scripts/performance.py`). [Ray speeds](docs/performance.md#how-fast-are-rays):"
-        " multiples of GRID's, single rays, one thread."
-    )
-    return [
-        *Table(heads, out).markdown().split("\n"),
-        *textwrap.wrap(source, 116, break_long_words=False, break_on_hyphens=False),
-        "",
-    ]
-
-
-def headline(rows):
-    """The two headline ranges: memory over all scenes of the record, speed over all scenes and views of the page."""
-    views, scenes = full_views(rows), sorted(set(rows.scene))
-    smaller = [views[scene, "GRID"].memory_live_bytes / views[scene, "cVERT"].memory_live_bytes for scene in scenes]
-    faster = [float(speed) for pair in speeds_of_page().values() for speed in pair]
-    text = (
-        f"**[{min(smaller):.0f} to {max(smaller):.0f} times](docs/figures.md#memory) less memory than Embree's own"
-        f" subdivision surfaces; single rays at [{min(faster):.2f} to {max(faster):.2f} times](docs/figures.md#rays)"
-        f" their speed**, lowest where the scene fits the caches ({len(scenes)} models,"
-        " [level](docs/vocabulary.md#level) 6; [measurements](docs/performance.md#how-fast-are-rays))."
-    )
+def wrapped(text):
     return [*textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False), ""]
+
+
+def memory_table(measured):
+    """Memory, builds and errors of the default view."""
+    heads = ["scene", "million quads", "MiB: triangles", "compact", EMBREE, OURS, SMALL]
+    heads += [f"bytes per quad: {OURS}", SMALL, "build, s: triangles", EMBREE, OURS, SMALL, "error, pixels"]
+    out = []
+    for scene in SCENES:
+        cells = [scene, f"{measured.built[scene, EMBREE].quads / 1e6:.2f}"]
+        cells += [rounded(measured.mebibytes(scene, kind)) for kind in (TRIANGLES, COMPACT, EMBREE, OURS, SMALL)]
+        cells += [f"{measured.bytes_per_quad(scene, kind):.2f}" for kind in (OURS, SMALL)]
+        cells += [f"{measured.built[scene, kind].build_seconds:.3f}" for kind in (TRIANGLES, EMBREE, OURS, SMALL)]
+        out.append([*cells, f"{measured.built[scene, OURS].errors_p99_pixels:.3f}"])
+    return [*Table(heads, out).markdown().split("\n"), *wrapped(f"{measured.source()}.")]
+
+
+def speed_table(measured):
+    heads = ["", *(name for name, _, _ in COLUMNS)]
+    out = [
+        [f"{scene}, {view}", *(measured.speeds_in_words(scene, view, kind, rays) for _, kind, rays in COLUMNS)]
+        for scene in SCENES
+        for view in VIEWS
+    ]
+    return [*Table(heads, out).markdown().split("\n"), *wrapped(f"{measured.source()}.")]
+
+
+def front_table(measured):
+    heads = ["model", "million quads", "MiB: triangles", "subdivision", "**ours**", "smallest"]
+    heads += ["rays, of triangles", "of subdivision"]
+    out = []
+    for scene in SCENES:
+        cells = [scene, f"{measured.built[scene, EMBREE].quads / 1e6:.2f}"]
+        cells += [rounded(measured.mebibytes(scene, kind)) for kind in (TRIANGLES, EMBREE, OURS, SMALL)]
+        cells += [measured.speeds_in_words(scene, "full", OURS, SINGLE, base) for base in (TRIANGLES, EMBREE)]
+        out.append(cells)
+    text = (
+        "Rays: speed of coherent and incoherent single rays as a multiple of the speed with triangles, and with"
+        f" subdivision. ({measured.source()}; `{NAME}`)"
+    )
+    return [*Table(heads, out).markdown().split("\n"), *wrapped(text)]
+
+
+def headline(measured):
+    triangles, subdivision = measured.smaller(TRIANGLES, OURS), measured.smaller(EMBREE, OURS)
+    slowest, fastest = measured.range_of_speeds(OURS, TRIANGLES)
+    text = (
+        f"**{times(triangles)} times less memory than Embree's triangles, {times(subdivision)} times less than its"
+        f" subdivision surfaces, and rays at {slowest:.2f} to {fastest:.2f} times the speed of triangles.**"
+    )
+    return wrapped(text)
+
+
+def chart(measured):
+    """Bars of bytes per quad, with the speed of rays in full views."""
+    names = {TRIANGLES: "triangles", EMBREE: "subdivision", OURS: "Embree CBVH", SMALL: "its smallest form"}
+    bars = []
+    for scene in SCENES:
+        rows = []
+        for kind, name in names.items():
+            speeds = [f"{measured.speed(scene, 'full', kind, rays):.2f}" for rays in SINGLE]
+            label = f"{rounded(measured.mebibytes(scene, kind))} MiB, rays {speeds[0]} and {speeds[1]}"
+            rows.append((name, measured.bytes_per_quad(scene, kind), label))
+        bars.append((f"{scene}, {measured.built[scene, EMBREE].quads / 1e6:.2f} million quads", rows))
+    return memory_chart.svg(
+        "Bytes per quad; speed of coherent and incoherent rays as a multiple of the speed with triangles",
+        bars,
+        measured.source(),
+    )
 
 
 def write(page, name, lines):
@@ -155,18 +202,18 @@ def main():
         help="cbvh_bench (default: build/release/tutorials/bench/cbvh_bench)",
     )
     parser.add_argument("--record", metavar="FILE", help="use this record instead of measuring")
-    parser.add_argument("--front-only", action="store_true", help="write only the table and the headline of README.md")
     options = parser.parse_args()
     try:
-        rows = rows_of(records.read(options.record) if options.record else measure(options.bench))
+        measured = Measured(records.read(options.record) if options.record else measure(options.bench))
     except records.Damaged as error:
-        raise SystemExit(f"performance.py: {options.record}: {error}") from error
+        raise SystemExit(f"performance.py: {options.record or RECORD}: {error}") from error
     except Failure as error:
         raise SystemExit(f"performance.py: {error}") from error
-    if not options.front_only:
-        write(PAGE, TABLE, lines_of(rows))
-    write(README, TABLE, front_table(rows))
-    write(README, HEADLINE, headline(rows))
+    write(PAGE, f"{NAME}, memory", memory_table(measured))
+    write(PAGE, f"{NAME}, rays", speed_table(measured))
+    write(README, NAME, front_table(measured))
+    write(README, f"{NAME}, headline", headline(measured))
+    CHART.write_text(chart(measured), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@
  *
  * Surfaces are stored as the triangles of a fine tessellation with vertices on a lattice. Displaced cages mostly need 5
  * to 7 bytes per quad as tiles (cTILE), the default at rest, and 2 to 4 as cVERT, which rays decode; irregular meshes
- * need 9 to 11 bytes per triangle, as cVERT 7 to 8. docs/precision.md lists noisy surfaces.
+ * need 9 to 11 bytes per triangle, as cVERT 7 to 8. docs/error.md lists noisy surfaces.
  *
  * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on
  * failure. cbvhGetErrorText returns the message of the last error. Functions that return a count, a pointer or bounds

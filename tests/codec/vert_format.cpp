@@ -67,7 +67,7 @@ TEST(VertFormat, ConstantsMatchPages) {
                    {"quads along u or v, below which the default spacing shrinks", fullSpacingQuads}});
 }
 
-// The rule in accuracy.md for a median edge of 1. The table in rays.md has the numbers.
+// The rule in docs/error.md for a median edge of 1. The table in rays.md has the numbers.
 TEST(VertFormat, DefaultSpacingMatchesPage) {
   const double ofEdge = spacingPerEdge, least = minSpacingPerEdge, ofDiagonal = spacingPerDiagonal;
   const unsigned full = fullSpacingQuads;

@@ -284,7 +284,7 @@ void addCreases(Cage& cage, unsigned face) {
   cage.creaseSharpness.assign(cage.creaseEdges.size(), INFINITY);
 }
 
-/* The figures of docs/accuracy.md. OpenSubdiv evaluates the other faces as if a hole were one of them; Embree, and
+/* The figures of docs/error.md. OpenSubdiv evaluates the other faces as if a hole were one of them; Embree, and
  * LimitSurface, as if it did not exist. Edges have length 1. */
 TEST(LimitSurface, HolesDifferFromOpenSubdivUnlessTheirBorderIsCreased) {
   Cage cube = makeCube().cage;

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Estimated bytes of a grid as cVERT and in Embree's grid kernel, without the application's buffers. They decide
- * whether a grid geometry is compressed. Measurements are in docs/performance.md. Independent of Embree, because the
+ * whether a grid geometry is compressed. Measurements are in docs/measurements.md. Independent of Embree, because the
  * interposer compiles it, too. */
 
 #include <cstddef>

@@ -261,7 +261,7 @@ private:
 
   /*! Estimates the bytes of nodes that a scene adds to those of its surfaces, if it has tiles. */
   static size_t expectedTreeBytes(const std::vector<Surface>& surfaces) {
-    const size_t bytesPerBlock = 96; // wide nodes: measured 60 to 87 (docs/performance.md)
+    const size_t bytesPerBlock = 96; // wide nodes: measured 60 to 87 (docs/measurements.md)
     size_t bytes = 0;
     for (const Surface& surface : surfaces)
       bytes += surface.blocks->numPrimRefs * bytesPerBlock + surface.blocks->parts.size() * sizeof(BVH4::AABBNode) / 2;

@@ -40,7 +40,7 @@ struct CompressionSettings {
 
   /*! Selected by EMBREE_CBVH=1 and subdiv_accel=cbvh, and the form of libembree_cbvh's surfaces. cTILE is exact, and
    *  faster than Embree's own forms in a seventh of their memory or less; cVERT takes half of it, but rays decode it
-   *  (docs/performance.md). */
+   *  (docs/measurements.md). */
   static const RTCCompression preferredCompression = RTC_COMPRESSION_CTILE;
 
   /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. Call this before parse(), whose

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Estimated bytes of Embree's own acceleration structures and of blocks, without the application's buffers. They decide
- * whether compression saves memory, and are printed at verbosity 1. Measurements are in docs/performance.md. Those for
+ * whether compression saves memory, and are printed at verbosity 1. Measurements are in docs/measurements.md. Those for
  * grids are in base/grid_bytes.h. */
 
 #include "../base/grid_bytes.h"

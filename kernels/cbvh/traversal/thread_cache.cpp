@@ -77,7 +77,7 @@ constexpr bool fits() {
 }
 
 static_assert(fits<VertEntries>() && fits<MotionEntries>() && fits<MeshEntries>() && fits<MeshMotionEntries>(),
-              "large caches must fit into a second-level cache of 1 MiB, others into 512 KiB: see docs/performance.md");
+              "large caches must fit into a second-level cache of 1 MiB, others into 512 KiB");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
 template class ThreadCache<NodeEntries>;
