@@ -7,7 +7,7 @@
     scripts/measure_blender.py [--repeat N]     requires Debian 12's `blender` and a release build; takes some minutes
     scripts/measure_blender.py --interposer LIBRARY [--scenes NAME...]
                                                 for a Blender on Embree 4, as Debian 13's and later ones; prints rows of
-                                                the table in docs/renderers.md, and README.md stays as is
+                                                the table in docs/measurements.md, and README.md stays as is
 
 Renders scenes of scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
 scripts/blender/commit_probe.c reports Embree's memory and times. Memory excludes the geometry buffers that Blender
@@ -107,7 +107,7 @@ def measure(scene, repeat, ours, folder):
 
 
 def row(scene, before, after, differing, pixels):
-    """Returns a row of the table in docs/renderers.md."""
+    """Returns a row of the table in docs/measurements.md."""
     cells = [
         f"{after[key]:.{digits}f} / {before[key]:.{digits}f}"
         for key, digits in (("MiB", 1), ("peak", 0), ("build_cpu", 2), ("cpu", 1))

@@ -161,7 +161,7 @@ void crease(Cage& cage, unsigned face, float sharpness) {
   cage.creaseSharpness.assign(cage.creaseEdges.size(), sharpness);
 }
 
-/* See docs/opensubdiv.md. With an infinite crease around a hole, both programs agree. */
+/* See docs/renderers.md. With an infinite crease around a hole, both programs agree. */
 TEST(CageValidation, WarnsOfHolesThatOpenSubdivSmooths) {
   Cage cage = quads(5);
   EXPECT_EQ(checked(cage).warnings, "");
