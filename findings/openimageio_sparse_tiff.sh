@@ -10,7 +10,7 @@
 # Seen (OpenImageIO 2.4.7 of Debian 12, GDAL 3.6.2): it refuses the whole raster when it reads such a tile.
 #
 # cbvh_terrain therefore refuses these rasters, with OpenImageIO's message. gdal_translate without the option writes all
-# tiles (tutorials/terrain/README.md).
+# tiles.
 . "$(dirname -- "$0")/debian_root.sh"
 install_pinned bookworm openimageio-tools=2.4.7.1+dfsg-2 gdal-bin=3.6.2+dfsg-1+b2
 
