@@ -9,7 +9,7 @@
 # Seen (OpenImageIO 2.4.7 of Debian 12): already a copy has only float channels, and an ID is its fraction of 2^32:
 # 16777217 becomes 0.00390625. No message says so.
 #
-# Pictures of cbvh_render --exr contain primID. `cbvh_render --join` joins parts with their types (docs/scale.md).
+# Pictures of cbvh_render --exr contain primID. `cbvh_render --join` joins parts with their types (docs/programs.md).
 . "$(dirname -- "$0")/debian_root.sh"
 install_pinned bookworm openimageio-tools=2.4.7.1+dfsg-2
 

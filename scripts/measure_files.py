@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the table of files in docs/scale.md: time and memory for opening a saved scene.
+"""Measures the table of files in docs/measurements.md: time and memory for opening a saved scene.
 
     scripts/measure_files.py PATH/TO/cbvh_render FOLDER [--repeat N]
 
