@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Builds Debian packages in output/, for this release of Debian: libembree3-cbvh, libembree-cbvh-dev and
-# embree-cbvh-tools, which replace Debian's libembree3-3, libembree-dev and embree-tools; libembree-cbvh0,
-# libembree-cbvh0-dev and python3-embree-cbvh, which replace no package. Earlier packages in output/ are removed.
+# embree-cbvh-tools, which replace Debian's libembree3-3, libembree-dev and embree-tools; libembree-cbvh1,
+# libembree-cbvh1-dev and python3-embree-cbvh, which replace no package. Earlier packages in output/ are removed.
 #
 #   scripts/package.sh && apt install ./output/*.deb
 #   scripts/package.sh arm64      cross-builds the packages for ARM64, in build/package-arm64/packages

@@ -12,9 +12,9 @@ namespace programs {
 struct LoadedLibrary {
   std::string path;
   std::string embreeVersion; // "3.13.5"; empty if it opens no device
-  std::string cbvhVersion;   // "0.9.0"; empty for stock Embree
+  std::string cbvhVersion;   // "1.0.0"; empty for stock Embree
 
-  /* "Embree CBVH 0.9.0 on Embree 3.13.5, /usr/lib/libembree3.so.3" */
+  /* "Embree CBVH 1.0.0 on Embree 3.13.5, /usr/lib/libembree3.so.3" */
   std::string description() const;
 };
 

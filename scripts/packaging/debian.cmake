@@ -96,10 +96,10 @@ set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.h, cbvh.glsl
 
 # next to any Embree; these packages replace none
-cbvh_package(capi libembree-cbvh0 "" same libs "Compressed subdivision surfaces next to any Embree")
-cbvh_package(capi_devel libembree-cbvh0-dev "" same libdevel
+cbvh_package(capi libembree-cbvh1 "" same libs "Compressed subdivision surfaces next to any Embree")
+cbvh_package(capi_devel libembree-cbvh1-dev "" same libdevel
   "Compressed subdivision surfaces next to any Embree: development files")
-set(CPACK_DEBIAN_CAPI_DEVEL_PACKAGE_DEPENDS "libembree-cbvh0 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_CAPI_DEVEL_PACKAGE_DEPENDS "libembree-cbvh1 (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_CAPI_DEVEL_PACKAGE_SHLIBDEPS OFF)
 
 cbvh_package(examples embree-cbvh-tools embree-tools foreign graphics "Embree CBVH: its programs and Embree's")

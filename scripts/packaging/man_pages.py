@@ -42,7 +42,7 @@ INIT_FUNCTION = re.compile(r"Call \w+Init\w+ first")  # in the comment of a stru
 STRUCT_SIZE = "Set structSize to the sizeof of its struct: in C++, T s; does so; in C, T s = {.structSize = sizeof(s)}."
 SECTIONS = {"Returns ": "RETURN VALUE", "Return ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 FIRST_VERSION = "0.9.0"
-SECOND_VERSION = "1.0.0"  # the next release
+SECOND_VERSION = "1.0.0"
 FUNCTIONS_OF_FIRST_VERSION = frozenset(
     """
     rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcGetVulkanDeviceHandles

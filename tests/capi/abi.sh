@@ -23,9 +23,9 @@ trap 'rm -rf "$work"' EXIT
        open { text = text " " $0 }
        open && /;$/ { sub(/;$/, " { __builtin_trap(); }", text); print text; text = ""; open = 0 }' "$header"
 } > "$work/stubs.c"
-cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 \
-  -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
-abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.0"
+cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.1 \
+  -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.1"
+abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.1"
 [ "${3:-}" != --write ] || {
   sed "s|path='[^']*/|path='|" "$work/now.abi" > "$here/libembree_cbvh.abi"
   exit 0

@@ -20,25 +20,25 @@ work=$root/root/capi
 rm -rf "$work"
 mkdir -p "$work/include"
 cp -rL "$build/include/cbvh" "$work/include/"
-cp "$build"/kernels/capi/libembree_cbvh.so.0 "$here"/*.cpp "$here"/*.h "$here"/../../tutorials/capi/*.cpp \
+cp "$build"/kernels/capi/libembree_cbvh.so.1 "$here"/*.cpp "$here"/*.h "$here"/../../tutorials/capi/*.cpp \
   "$here"/../../tutorials/capi/*.h "$work/"
 rm "$work/api.cpp" # requires our libembree3
 compile="g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude"
 inside() { chroot "$root" sh -c "cd /root/capi && $*"; }
 for program in hits displaced_cage diced_grids speed; do
-  inside "$compile $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/capi" ||
+  inside "$compile $program.cpp -o $program ./libembree_cbvh.so.1 -lembree4 -Wl,-rpath,/root/capi" ||
     fail "$program does not compile"
   inside "./$program" || fail "$program fails on $release"
 done
 inside "$compile reload.cpp -o reload -lembree4" &&
-  inside "./reload ./libembree_cbvh.so.0" || fail "reload does not compile or run"
+  inside "./reload ./libembree_cbvh.so.1" || fail "reload does not compile or run"
 for picture in displaced_cage diced_grids; do
   if [ -x "$build/tutorials/capi/$picture" ]; then
     "$build/tutorials/capi/$picture" "$work/here.pgm" > /dev/null
     cmp "$work/here.pgm" "$work/$picture.pgm" || fail "$picture differs next to Embree 4"
   fi
 done
-for program in ./displaced_cage "./reload ./libembree_cbvh.so.0"; do
+for program in ./displaced_cage "./reload ./libembree_cbvh.so.1"; do
   leaks="--leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite"
   if ! inside "valgrind -q --undef-value-errors=no $leaks --error-exitcode=1 $program" > "$roots/log" 2>&1; then
     grep -q "nrecogni[sz]ed instruction\|unhandled instruction" "$roots/log" ||

@@ -22,5 +22,5 @@ for function in $declared; do
   [ "$function" = cbvhGetVersion ] || grep -q "$function(" "$(dirname -- "$0")/odd_calls.cpp" ||
     fail "odd_calls.cpp does not call $function"
 done
-readelf -d "$library" | grep -q 'SONAME.*libembree_cbvh.so.0' || fail "the SONAME is not libembree_cbvh.so.0"
+readelf -d "$library" | grep -q 'SONAME.*libembree_cbvh.so.1' || fail "the SONAME is not libembree_cbvh.so.1"
 echo "exported: $(echo "$exported" | wc -l) functions"

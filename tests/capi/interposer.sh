@@ -39,7 +39,7 @@ else
 fi
 mkdir -p "$work/include" "$work/kernels/interposer" "$work/tests/interposer"
 cp -rL "$build/include/cbvh" "$work/include/"
-cp "$build/kernels/capi/libembree_cbvh.so.0" "$here"/../../kernels/interposer/*.cpp \
+cp "$build/kernels/capi/libembree_cbvh.so.1" "$here"/../../kernels/interposer/*.cpp \
   "$here"/../../kernels/interposer/*.h "$here"/../../kernels/cbvh/operations/*.h \
   "$here"/../../kernels/cbvh/operations/device_string.cpp "$here"/../../kernels/cbvh/base/environment.h \
   "$here"/../../kernels/cbvh/base/grid_bytes.h "$work/"
@@ -51,7 +51,7 @@ flags="-O2 -Wall -Wextra -Werror -Iinclude"
 if [ -n "$roots" ]; then
   # The same command as in its CMakeLists.txt, which requires Embree 4 and therefore does nothing on Debian 12. $ORIGIN
   # must not be expanded by the shell in the other Debian.
-  links="./libembree_cbvh.so.0 '-Wl,-rpath,\$ORIGIN' -Wl,-Bsymbolic-functions -Wl,--no-undefined"
+  links="./libembree_cbvh.so.1 '-Wl,-rpath,\$ORIGIN' -Wl,-Bsymbolic-functions -Wl,--no-undefined"
   shared="$flags -fPIC -shared -fvisibility=hidden -DRTC_EXPORT_API"
   inside "g++ -std=c++17 $shared *.cpp -o libembree_cbvh_interposer.so $links" ||
     fail "the interposer does not compile"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Loads, uses in two threads and unloads libembree_cbvh repeatedly, in a program with its own Embree: memory must not
- * grow. reload PATH/TO/libembree_cbvh.so.0 */
+ * grow. reload PATH/TO/libembree_cbvh.so.1 */
 
 #include "host.h"
 

@@ -84,7 +84,7 @@ scene = cbvh.build(cbvh.Model.generate('cube'), 'cvert', 3)
 print('Python module', cbvh.__version__, scene.statistics()['bytes_per_quad'])" ||
   fail "the Python module does not build a scene"
 # CPack counts a library once more for each of its links.
-for package in libembree3-cbvh libembree-cbvh0; do
+for package in libembree3-cbvh libembree-cbvh1; do
   stated=$(inside dpkg-query -W -f '${Installed-Size}' "$package")
   # shellcheck disable=SC2016
   actual=$(inside sh -c 'dpkg -L "$1" | while read -r file; do [ ! -f "$file" ] || [ -L "$file" ] || stat -c %s "$file"

@@ -98,7 +98,7 @@ fi
 
 # --- libembree_cbvh next to any Embree: a program that uses the machine's -------------------------------
 
-[ -e "$work/prefix/lib/embree_cbvh/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
+[ -e "$work/prefix/lib/embree_cbvh/libembree_cbvh.so.1" ] || fail "libembree_cbvh is not installed"
 for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags-only-I --libs-only-L embree_cbvh); do
   [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] ||
     fail "pkg-config embree_cbvh leads to our Embree"

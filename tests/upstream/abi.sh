@@ -34,7 +34,7 @@ comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 | sort > "$work/added"
   printf '%s\n' rtcFindClosestPoint rtcFlattenScene rtcGetDeviceCompressionProperty \
     rtcGetSceneCompressionStatistics rtcNewContextFromDevice rtcNewGeometryFromSurface rtcNewSurfaceFromGeometry \
     rtcRaiseDeviceError rtcReleaseFlatScene rtcSetGeometryCompression
-  grep -o '^CBVH_API .*' "$headers/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | sed 's/($/@@EMBREE_CBVH_0.9/'
+  grep -o '^CBVH_API .*' "$headers/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | sed 's/($/@@EMBREE_CBVH_1/'
 } | sort > "$work/api"
 diff "$work/api" "$work/added" || {
   echo "added symbols are not those of our headers" >&2
