@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sizes and constants must equal the tables of framed_block.md, annotated blocks the tables of framed_example.md. */
+/* Sizes and constants must equal the tables of kernels/cbvh/paper/README.md, annotated blocks those of
+ * annotated_blocks.txt. */
 
 #include "codec/format_pages.h"
 #include "support/encoded_block.h"
@@ -119,17 +120,17 @@ TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN) {
 }
 
 TEST(BlockFormat, ConstantsMatchPage) {
-  expectConstants("framed_block.md", {{"format version, `formatVersion`", formatVersion},
-                                      {"alignment of a block, bytes", blockAlignment},
-                                      {"type of a block in the tree", FRAMED_BLOCK},
-                                      {"bytes of the header", blockHeaderBytes},
-                                      {"height of a block, at most", maxFramedLevel}});
+  expectConstants(paperPage, {{"format version, `formatVersion`", formatVersion},
+                              {"alignment of a block, bytes", blockAlignment},
+                              {"type of a block in the tree", FRAMED_BLOCK},
+                              {"bytes of the header", blockHeaderBytes},
+                              {"height of a block, at most", maxFramedLevel}});
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
 TEST(BlockFormat, SizesMatchPage) {
   uint32_t rows = 0;
-  std::istringstream lines(section("framed_block.md", "Sizes"));
+  std::istringstream lines(section(paperPage, "Sizes"));
   for (std::string line; std::getline(lines, line);) {
     unsigned height, bytes[3];
     if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
@@ -140,7 +141,7 @@ TEST(BlockFormat, SizesMatchPage) {
   EXPECT_EQ(rows, maxFramedLevel + 1);
 }
 
-// Vertices (i, j, z), row by row, of a block in framed_example.md.
+// Vertices (i, j, z), row by row, of a block in annotated_blocks.txt.
 void expectAnnotated(const std::string& heading, uint32_t height, const std::vector<float>& z) {
   const uint32_t quads = 1u << height, width = quads + 1;
   ASSERT_EQ(z.size(), width * width);
@@ -153,7 +154,7 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   block->surface = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
-  expectAnnotatedBytes(block, blockLayout(kindLeaf, height).bytes, "framed_example.md", heading);
+  expectAnnotatedBytes(block, blockLayout(kindLeaf, height).bytes, heading);
 }
 
 TEST(BlockFormat, EncoderWritesAnnotatedLattice) { expectAnnotated("A lattice", 1, {0, 0, 0, 0, 1, 2, 0, 2, 4}); }

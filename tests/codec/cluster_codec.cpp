@@ -316,7 +316,7 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit) {
   }
 }
 
-// Two adjacent quads, whose bytes clusters.md lists.
+// Two adjacent quads, whose bytes annotated_blocks.txt lists.
 TEST(ClusterCodec, BytesMatchAnnotatedClusters) {
   Grid grid(2, 1);
   for (unsigned y = 0; y < 2; y++)
@@ -338,7 +338,7 @@ TEST(ClusterCodec, BytesMatchAnnotatedClusters) {
       text += (i ? " " : "") + std::string(hex);
     }
   };
-  std::ifstream file(FORMATS "/clusters.md");
+  std::ifstream file(FORMATS "/../../tests/codec/annotated_blocks.txt");
   const std::string document((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   print((const uint8_t*)data.data(), bytes);
   for (size_t i = 0; i < text.size(); i += 48) EXPECT_NE(document.find(text.substr(i, 47)), std::string::npos) << text;

@@ -16,6 +16,10 @@
 
 namespace programs::test {
 
+// Names of texts that are not in docs/formats, relative to it.
+constexpr const char* paperPage = "../../kernels/cbvh/paper/README.md";
+constexpr const char* annotatedBlocks = "../../tests/codec/annotated_blocks.txt";
+
 inline std::string page(const std::string& name) {
   std::ifstream file(FORMATS "/" + name);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -66,10 +70,10 @@ inline void expectRows(const std::string& name, const std::string& heading,
   EXPECT_EQ(at, end);
 }
 
-// Returns the bytes of an annotated block, from rows "| offset | `bytes` | meaning |" of its section. Offsets must be
+// Returns the bytes of an annotated block, from rows "| offset | `bytes` | meaning" of its section. Offsets must be
 // consecutive.
-inline std::vector<uint8_t> annotatedBytes(const std::string& name, const std::string& heading = "Annotated block") {
-  std::istringstream lines(section(name, heading));
+inline std::vector<uint8_t> annotatedBytes(const std::string& heading) {
+  std::istringstream lines(section(annotatedBlocks, heading));
   std::vector<uint8_t> bytes;
   for (std::string line; std::getline(lines, line);) {
     unsigned offset;
@@ -93,10 +97,9 @@ inline std::string wordsOf(const std::vector<uint8_t>& bytes) {
   return text.str();
 }
 
-inline void expectAnnotatedBytes(const void* block, size_t size, const std::string& name,
-                                 const std::string& heading = "Annotated block") {
+inline void expectAnnotatedBytes(const void* block, size_t size, const std::string& heading) {
   const uint8_t* const bytes = (const uint8_t*)block;
-  EXPECT_EQ(wordsOf({bytes, bytes + size}), wordsOf(annotatedBytes(name, heading)));
+  EXPECT_EQ(wordsOf({bytes, bytes + size}), wordsOf(annotatedBytes(heading)));
 }
 
 } // namespace programs::test

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of framed_block.md, code by code, through the decoders, and the epsilon of framed_rays.md. Encoder and
+/* The tables of kernels/cbvh/paper/README.md, code by code, through the decoders, and its epsilon. Encoder and
  * decoders share the tables: if these changed, all other tests would pass, but existing blocks would have another
  * meaning. */
 

@@ -70,7 +70,7 @@ Sheet makeSheet(Random& random, const double corners[4][3], int width, double am
   return sheet;
 }
 
-// The map of a frame in double precision, as specified in framed_block.md.
+// The map of a frame in double precision, as specified in kernels/cbvh/paper/README.md.
 void homogeneous(const Frame& frame, const double p[3], double h[4]) {
   h[0] = h[1] = h[2] = 0.5;
   h[3] = 1;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares the tables of framed_hits.md with paper/leaf/hit_rule.h: for every combination of state and event, the
+/* Compares the tables of hit_rule.txt with paper/leaf/hit_rule.h: for every combination of state and event, the
  * first matching row must have the outcome of the code. */
 
 #include "kernels/cbvh/paper/leaf/hit_rule.h"
@@ -42,7 +42,7 @@ struct Table {
 
   // Reads the only table under a heading. Outcomes begin at the column `first`.
   Table(const std::string& heading, const std::string& first) {
-    std::ifstream file(FORMATS "/framed_hits.md");
+    std::ifstream file(FORMATS "/../../tests/codec/hit_rule.txt");
     bool inside = false;
     for (std::string line; std::getline(file, line);) {
       if (!line.empty() && line[0] == '#') inside = line == "## " + heading;
@@ -59,7 +59,7 @@ struct Table {
       for (size_t i = 0; i < columns.size() && i < cells.size(); i++) row[columns[i]] = cells[i];
       rows.push_back(row);
     }
-    EXPECT_FALSE(rows.empty()) << "framed_hits.md has no table under " << heading;
+    EXPECT_FALSE(rows.empty()) << "hit_rule.txt has no table under " << heading;
     used.assign(rows.size(), 0);
   }
 
@@ -84,7 +84,7 @@ struct Table {
   }
 };
 
-// Values that cells may refer to, by their names in framed_hits.md.
+// Values that cells may refer to, by their names in hit_rule.txt.
 struct Facts {
   std::map<std::string, bool> yes;       // columns of "yes" and "no"
   std::map<std::string, uint32_t> sides; // columns "side", "enter", "leave", "box"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Mesh blocks are lossless: decoded triangles have the same floats, order of corners and numbers. A second decoder,
- * written from docs/formats/mesh_block.md, must agree with the first. */
+ * written from docs/formats/mesh.md, must agree with the first. */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -573,24 +573,24 @@ TEST(MeshBlock, EncoderWritesAnnotatedBlock) {
   const auto blocks = encode(*encoder, mesh, 4, statistics);
   expectMesh(mesh, blocks);
   ASSERT_EQ(blocks.size(), 1u);
-  expectAnnotatedBytes(blocks[0]->bytes, blocks[0]->size, "mesh_block.md");
+  expectAnnotatedBytes(blocks[0]->bytes, blocks[0]->size, "A mesh block");
 }
 
 TEST(MeshBlock, ConstantsAndFieldsMatchPage) {
-  expectConstants("mesh_block.md", {{"format version, `meshFormatVersion`", meshFormatVersion},
-                                    {"kind of a block, `kindOfMesh`", kindOfMesh},
-                                    {"bytes of the header", meshHeaderBytes},
-                                    {"bytes of a record", meshRecordBytes},
-                                    {"bytes of a box", meshBoxBytes},
-                                    {"triangles of a block, at most", maxMeshTriangles},
-                                    {"groups of a block, at most", maxMeshGroups},
-                                    {"vertices of a block, at most", maxMeshVertices},
-                                    {"triangles of a group, at most", maxGroupTriangles},
-                                    {"vertices of a group, at most", maxGroupVertices},
-                                    {"restarts of a group, at most", maxGroupRestarts},
-                                    {"shift of boxes on an axis of ranks, at least", minRankShift},
-                                    {"bytes after a block that decoders may read", vertReadPadding}});
-  expectRows("mesh_block.md", "Header",
+  expectConstants("mesh.md", {{"format version, `meshFormatVersion`", meshFormatVersion},
+                              {"kind of a block, `kindOfMesh`", kindOfMesh},
+                              {"bytes of the header", meshHeaderBytes},
+                              {"bytes of a record", meshRecordBytes},
+                              {"bytes of a box", meshBoxBytes},
+                              {"triangles of a block, at most", maxMeshTriangles},
+                              {"groups of a block, at most", maxMeshGroups},
+                              {"vertices of a block, at most", maxMeshVertices},
+                              {"triangles of a group, at most", maxGroupTriangles},
+                              {"vertices of a group, at most", maxGroupVertices},
+                              {"restarts of a group, at most", maxGroupRestarts},
+                              {"shift of boxes on an axis of ranks, at least", minRankShift},
+                              {"bytes after a block that decoders may read", vertReadPadding}});
+  expectRows("mesh.md", "Header",
              {{"origin", offsetof(MeshHeader, origin)},
               {"spacings", offsetof(MeshHeader, spacings)},
               {"surface", offsetof(MeshHeader, surface)},

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Moving mesh blocks are lossless at every time step, and boxes contain their groups. A second decoder, written from
- * docs/formats/mesh_motion.md, must agree. Rigid motion needs few bytes. */
+ * docs/formats/mesh.md, must agree. Rigid motion needs few bytes. */
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
@@ -344,16 +344,16 @@ TEST(MeshMotion, EncoderWritesAnnotatedBlock) {
   const auto blocks = encode(*encoder, mesh, 16, statistics);
   expectMesh(mesh, blocks);
   ASSERT_EQ(blocks.size(), 1u);
-  expectAnnotatedBytes(blocks[0].block(), blocks[0].size(), "mesh_motion.md");
+  expectAnnotatedBytes(blocks[0].block(), blocks[0].size(), "A moving mesh block");
 }
 
 TEST(MeshMotion, ConstantsAndFieldsMatchPage) {
-  expectConstants("mesh_motion.md", {{"format version, `movingMeshFormatVersion`", movingMeshFormatVersion},
-                                     {"bytes of the motion section", sizeof(VertMotion)},
-                                     {"bytes of the header of a step", meshStepBytes},
-                                     {"bytes of a record of a step", meshStepRecordBytes},
-                                     {"time steps, at most", maxTimeSteps}});
-  expectRows("mesh_motion.md", "A later step",
+  expectConstants("mesh.md", {{"format version, `movingMeshFormatVersion`", movingMeshFormatVersion},
+                              {"bytes of the motion section", sizeof(VertMotion)},
+                              {"bytes of the header of a step", meshStepBytes},
+                              {"bytes of a record of a step", meshStepRecordBytes},
+                              {"time steps, at most", maxTimeSteps}});
+  expectRows("mesh.md", "A later step",
              {{"origin", offsetof(MeshStep, origin)},
               {"spacings", offsetof(MeshStep, spacings)},
               {"map", offsetof(MeshStep, map)},

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Mesh tiles have the triangles, vertices and numbers of their mesh blocks, and boxes that contain their groups. They
- * become the same blocks again. The page mesh_tile.md describes them. */
+ * become the same blocks again. The page tile.md describes them. */
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
@@ -142,15 +142,15 @@ TEST(MeshTile, HasTheTrianglesOfItsBlockAndBoxesAroundGroups) {
 }
 
 TEST(MeshTile, ConstantsMatchThePage) {
-  expectConstants("mesh_tile.md", {{"bytes of the header", meshTileHeaderBytes},
-                                   {"bytes of a record", meshTileRecordBytes},
-                                   {"bytes of an offset", meshTileOffsetBytes},
-                                   {"triangles of a group, at most", maxTileGroupTriangles},
-                                   {"bits of a coordinate, at most", maxTileFieldBits},
-                                   {"bytes after a mesh tile that decoders may read", meshTileReadPadding}});
+  expectConstants("tile.md", {{"bytes of the header", meshTileHeaderBytes},
+                              {"bytes of a record", meshTileRecordBytes},
+                              {"bytes of an offset", meshTileOffsetBytes},
+                              {"triangles of a group, at most", maxTileGroupTriangles},
+                              {"bits of a coordinate, at most", maxTileFieldBits},
+                              {"bytes after a mesh tile that decoders may read", meshTileReadPadding}});
 }
 
-// The block of mesh_block.md.
+// The mesh block of annotated_blocks.txt.
 TEST(MeshTile, MatchesTheAnnotatedTile) {
   const float p[][3] = {{100, 0, 0}, {108, 0, 0}, {108, 16, 0}, {100, 16, 0},
                         {104, 8, 6}, {112, 0, 0}, {116, 0, 0},  {112, 0, 4}};
@@ -169,7 +169,7 @@ TEST(MeshTile, MatchesTheAnnotatedTile) {
   uint32_t stored;
   encoder->encode(triangles.data(), ends, 2, 3, converted->block, stored, statistics);
   converted->tileBytes = tileOfMesh(converted->mesh(), converted->tile);
-  expectAnnotatedBytes(converted->tile, converted->tileBytes, "mesh_tile.md", "Annotated tile");
+  expectAnnotatedBytes(converted->tile, converted->tileBytes, "A mesh tile");
 }
 
 }} // namespace programs::test

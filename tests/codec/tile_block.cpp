@@ -234,7 +234,7 @@ TEST(TileBlock, MatchesTheAnnotatedTile) {
   tile->used = tileEncoder.encode(*encoder, VertPlacement(packRegion(8, 8, 16, 0), packPatchQuads(24, 8)), tile->bytes);
   ((VertHeader*)tile->bytes)->surface = 3;
   ((VertHeader*)tile->bytes)->primID = 5;
-  expectAnnotatedBytes(tile->bytes, tile->used, "tile.md", "Annotated tile");
+  expectAnnotatedBytes(tile->bytes, tile->used, "A tile");
 }
 
 }} // namespace programs::test

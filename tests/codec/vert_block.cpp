@@ -441,7 +441,7 @@ TEST(VertBlock, EncoderWritesAnnotatedBlock) {
   VertHeader* block = (VertHeader*)encoded.bytes;
   block->surface = 3;
   block->primID = 5;
-  expectAnnotatedBytes(block, encoded.size, "block_example.md");
+  expectAnnotatedBytes(block, encoded.size, "A cVERT block");
 }
 
 TEST(VertBlock, ReservedBitsAreUnsupported) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Compares the tables of the pages about cVERT blocks with the code. Tables of constants are generated here and must
- * occur literally on the page. vert_block.cpp tests the block of block_example.md. */
+ * occur literally on the page. vert_block.cpp tests the block of annotated_blocks.txt. */
 
 #include "kernels/cbvh/base/leaf_type.h"
 #include "kernels/cbvh/paper/block.h"
@@ -46,9 +46,9 @@ TEST(VertFormat, ConstantsMatchPages) {
                                {"bits of a remainder along an axis, at most", maxRemainderBits},
                                {"bits of a coordinate", std::log2(double(maxExtent))},
                                {"bits of a field, above which it is stored in three parts", maxFieldBits}});
-  expectConstants("motion.md", {{"bytes of the motion section", vertMotionBytes},
-                                {"bytes of the header of a step", vertStepBytes},
-                                {"time steps, at most", maxTimeSteps}});
+  expectConstants("block.md", {{"bytes of the motion section", vertMotionBytes},
+                               {"bytes of the header of a step", vertStepBytes},
+                               {"time steps, at most", maxTimeSteps}});
   // The smallest speed along the normal of the triangle (0,0,0), (1,0,0), (0,1,0), relative to the sum of |n[i]
   // dir[i]|, which is 3.
   const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
@@ -130,7 +130,7 @@ TEST(VertFormat, HeaderMatchesPage) {
               {"word", offsetof(VertHeader, word)}},
              0, vertHeaderBytes);
   expectRows("block.md", "Edges", {{"edges", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
-  expectRows("mesh_numbers.md", "When does a block have numbers?", {{"numbers", vertHeaderBytes}}, vertHeaderBytes,
+  expectRows("mesh.md", "When does a block have numbers?", {{"numbers", vertHeaderBytes}}, vertHeaderBytes,
              vertHeaderBytes + vertEdgesBytes);
 }
 
@@ -199,13 +199,13 @@ TEST(VertFormat, FieldsMatchPages) {
 }
 
 TEST(VertFormat, MotionMatchesPage) {
-  expectRows("motion.md", "The motion section",
+  expectRows("block.md", "The motion section",
              {{"begin", offsetof(VertMotion, begin)},
               {"end", offsetof(VertMotion, end)},
               {"numSteps", offsetof(VertMotion, numSteps)},
               {"steps", offsetof(VertMotion, steps)}},
              0, vertMotionBytes);
-  expectRows("motion.md", "A later step",
+  expectRows("block.md", "A later step",
              {{"origin", offsetof(VertStep, origin)},
               {"info", offsetof(VertStep, info)},
               {"word", offsetof(VertStep, word)},
@@ -215,14 +215,14 @@ TEST(VertFormat, MotionMatchesPage) {
               {"bounds", offsetof(VertStep, bounds)},
               {"endBounds", offsetof(VertStep, endBounds)}},
              0, vertStepBytes);
-  const std::vector<Bits> info = bitsOf("motion.md", "a step's `info`");
+  const std::vector<Bits> info = bitsOf("block.md", "a step's `info`");
   ASSERT_EQ(info.size(), 6u);
   expectFlag(info[1], hasRemainders);
   expectFlag(info[2], isFirstCellRotated);
   expectFlag(info[3], laterStepStoresUpperBits);
   expectFlag(info[4], hasMargins);
   EXPECT_EQ(beginBoundsUnit(5u << info[5].first), 32u);
-  const std::vector<Bits> rotation = bitsOf("motion.md", "`rotation`");
+  const std::vector<Bits> rotation = bitsOf("block.md", "`rotation`");
   ASSERT_EQ(rotation.size(), 5u);
   EXPECT_EQ(rotation[0].count, 16u);
   EXPECT_TRUE(areResidualsRotated(1u << 9, 9) && !areResidualsRotated(~(1u << 9), 9));
@@ -256,7 +256,7 @@ TEST(VertFormat, MotionMatchesPage) {
 }
 
 TEST(VertFormat, NumbersMatchPage) {
-  const std::vector<Bits> bits = bitsOf("mesh_numbers.md", "the numbering");
+  const std::vector<Bits> bits = bitsOf("mesh.md", "the numbering");
   ASSERT_EQ(bits.size(), 8u);
   EXPECT_EQ(bits[0].count, 2u);
   expectFlag(bits[6], haveTrianglePairs);

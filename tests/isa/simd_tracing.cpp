@@ -461,7 +461,7 @@ struct BothSegments {
 
 enum Encounter { MISSES, HITS, PASSES_ABOVE, PASSES_BELOW, ENCOUNTERS };
 
-// See framed_rays.md, "Walk".
+// See "Rays" in kernels/cbvh/paper/README.md.
 Encounter encounter(const Segment<double>& segment, const NodeBox& box) {
   if (isOnSegment(rangeInBox(segment, box, 3))) return HITS;
   const Range<double> range = rangeInBox(segment, box, 2);

@@ -278,8 +278,8 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks) {
       const uint64_t at = blocks + block.first;
       const bool isVert = block.second != 2;
       EXPECT_LT(block.first, blockBytes);
-      EXPECT_EQ(reader.u32(at + (isVert ? 16 : 12)), surface); // block.md, framed_block.md
-      if (block.second == 5 || block.second == 6) {            // mesh_block.md, mesh_motion.md
+      EXPECT_EQ(reader.u32(at + (isVert ? 16 : 12)), surface); // block.md, paper/README.md
+      if (block.second == 5 || block.second == 6) {            // mesh.md
         triangles += (reader.u32(at + 48) >> 16 & 255) + 1;
         EXPECT_EQ(reader.u32(at + 28) != 0, block.second == 6);
         (block.second == 6 ? hasMovingMeshBlocks : hasMeshBlocks) = true;

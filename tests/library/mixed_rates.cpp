@@ -122,8 +122,8 @@ bool isSameVertex(const Vec& a, const Vec& b) {
   return same;
 }
 
-/* "Edges of a lower rate" in framed_rays.md: each vertex of the edge is at the nearest vertex of the patch. The
- * vertices between are evenly spaced on the straight line, shifted outward by at most 2^-20. */
+/* Borders on edges of a lower rate (kernels/cbvh/paper/README.md): each vertex of the edge is at the nearest vertex of
+ * the patch. The vertices between are evenly spaced on the straight line, shifted outward by at most 2^-20. */
 void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector<Vec>& own) {
   const unsigned fine = patch.quadsOf(side), coarse = unsigned(own.size()) - 1;
   std::vector<unsigned> at; // positions of the edge's vertices among those of the patch

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The leaves that may contain a hit, by its parameters, decoded as docs/formats/framed_block.md specifies. */
+/* The leaves that may contain a hit, by its parameters, decoded as kernels/cbvh/paper/README.md specifies. */
 
 #include "kernels/cbvh/paper/tree.h"
 #include <embree3/rtcore.h>

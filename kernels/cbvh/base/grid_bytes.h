@@ -23,7 +23,7 @@ inline size_t bytesOfGridBlocks(size_t quadsX, size_t quadsY, bool haveNumbers) 
 }
 
 /*! Lower bound of the bytes that motion adds to a grid as cVERT. Each block has a motion section, and each later step
- *  has a header, an entry in the table, and words and margins of groups (docs/formats/motion.md). */
+ *  has a header, an entry in the table, and words and margins of groups (docs/formats/block.md). */
 inline size_t bytesOfLaterSteps(size_t quadsX, size_t quadsY, unsigned numTimeSteps) {
   if (numTimeSteps == 1) return 0;
   const size_t blocks = ((quadsX + 15) / 16) * ((quadsY + 15) / 16), groups = ((quadsX + 3) / 4) * ((quadsY + 3) / 4);

@@ -6,7 +6,7 @@
 /* SIMD decoder of mesh blocks (cvert/format/mesh_block.h): first the data that groups share, then half a group at a
  * time. cvert/decoder/decoded_mesh.h is the scalar reference. Reads less than vertReadPadding bytes after the block.
  *
- * docs/formats/mesh_block.md defines restarts, fans, firstCorners, newMask, ownMask, repeats and otherIndices. */
+ * docs/formats/mesh.md defines restarts, fans, firstCorners, newMask, ownMask, repeats and otherIndices. */
 
 #include "../base/codec_names.h"
 #include "../base/vectors.h"

@@ -6,7 +6,7 @@
  * Morton order (cLEAF) or the vertices row by row (cGRID). Positions and parameters follow from indices, so there are
  * no pointers. Memory, files and GPUs use the same bytes.
  *
- * docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their meaning.
+ * README.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their meaning.
  * Compiles as C++ and GLSL. */
 
 #ifndef CBVH_PAPER_BLOCK_H

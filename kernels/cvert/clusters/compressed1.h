@@ -4,7 +4,7 @@
 #pragma once
 
 /* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1, DirectX's input format for builds from clusters of triangles on GPUs: a
- * header of 12 bytes, then offsets from its anchor without gaps. docs/formats/clusters.md has the table of bits.
+ * header of 12 bytes, then offsets from its anchor without gaps. docs/formats/clusters.md lists the bits.
  *
  * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. For the
  * largest spacing, 2^105, the specification requires anchor plus offset within +-8,388,607. This always holds, because

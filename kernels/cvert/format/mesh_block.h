@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers, for
- * meshes without rows of quads. docs/formats/mesh_block.md specifies it. Layout:
+ * meshes without rows of quads. docs/formats/mesh.md specifies it. Layout:
  *
  *   header | records of groups | boxes of groups | topology of groups | fields of vertices | primitive numbers
  *

@@ -4,7 +4,7 @@
 #pragma once
 
 /* A moving mesh block: a mesh block (mesh_block.h) of the first time step, then the other steps.
- * docs/formats/mesh_motion.md specifies it.
+ * docs/formats/mesh.md specifies it.
  *
  *   mesh block | VertMotion | offsets of steps | step 1 | step 2 | ...
  *

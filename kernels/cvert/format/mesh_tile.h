@@ -5,7 +5,7 @@
 
 /* A mesh tile: a mesh block at rest (mesh_block.h) in another form, which is about a third larger. Each group can be
  * read without the others, so that a ray decodes only the groups that it tests. Mesh tiles are made from blocks in
- * memory, with the very same triangles in the same order; files contain blocks. docs/formats/mesh_tile.md specifies
+ * memory, with the very same triangles in the same order; files contain blocks. docs/formats/tile.md specifies
  * the form. Layout:
  *
  *   header | records of groups | offsets of groups | boxes of groups | groups | primitive numbers

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A moving block of cVERT: a block of the first time step (block.h), then all other steps. docs/formats/motion.md
+/* A moving block of cVERT: a block of the first time step (block.h), then all other steps. docs/formats/block.md
  * specifies it.
  *
  *   block of step 0, with margins of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers

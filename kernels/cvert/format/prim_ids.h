@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Primitive numbers (primIDs) of blocks of a quad mesh, or of a triangle mesh whose pairs of triangles form quads. Each
- * quad or triangle of the mesh is a primitive with its own parameters u and v. docs/formats/mesh_numbers.md specifies
+ * quad or triangle of the mesh is a primitive with its own parameters u and v. docs/formats/mesh.md specifies
  * the format. Patterns:
  *
  *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* The rule that decides where a ray hits a cLEAF block. crossing.h and crossing1.h compute how the ray crosses a leaf.
- * docs/formats/framed_hits.md has the rule as tables, which a test compares with this code.
+ * tests/codec/hit_rule.txt has the rule as tables, which a test compares with this code.
  *
  * Along a ray, the height above the patch,
  *

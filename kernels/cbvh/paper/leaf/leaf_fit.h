@@ -5,8 +5,7 @@
 
 /* Measures how well leaves represent their quads, to decide if a patch should be stored as cVERT. A leaf is a height
  * field over a box: walls that are vertical in the frame get wrong normals, folds become thick planes or entire boxes,
- * and where the surface ends or bends, boxes extend past the edges. docs/paper.md has the measurements behind the
- * limits. */
+ * and where the surface ends or bends, boxes extend past the edges. docs/paper.md has the limits. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
