@@ -17,8 +17,8 @@
 namespace programs::test {
 
 // Names of texts that are not in docs/formats, relative to it.
-constexpr const char* paperPage = "../../kernels/cbvh/paper/README.md";
-constexpr const char* annotatedBlocks = "../../tests/codec/annotated_blocks.txt";
+inline constexpr const char* paperPage = "../../kernels/cbvh/paper/README.md";
+inline constexpr const char* annotatedBlocks = "../../tests/codec/annotated_blocks.txt";
 
 inline std::string page(const std::string& name) {
   std::ifstream file(FORMATS "/" + name);
