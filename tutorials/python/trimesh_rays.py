@@ -12,8 +12,8 @@ The methods, their arguments and results are those of trimesh.ray.ray_pyembree, 
 here, all hits are returned unless the caller sets max_hits. Hits are on the triangles of the mesh: vertices are stored
 exactly, as floats of 32 bits, like in embreex. Queries use all cores.
 
-It saves memory: docs/measurements.md has bytes per triangle, see its column "lossless". trimesh's own arrays, 36 bytes per
-triangle of a closed mesh, stay.
+It saves memory: docs/measurements.md has bytes per triangle, see its column "lossless". trimesh's own arrays, 36 bytes
+per triangle of a closed mesh, stay.
 """
 
 from typing import Any, Dict, Optional, Tuple
