@@ -141,7 +141,7 @@ class Demo(unittest.TestCase):
 
     def test_nothing_prebuilt(self):
         output = self.run_demo()
-        self.assertEqual(self.calls, ["cmake", "cmake"] + 4 * ["built"])
+        self.assertEqual(self.calls, ["cmake", "cmake"] + 3 * ["built"])
         self.assertEqual(len(re.findall("^output/(?!demo/)", output, re.MULTILINE)), 1, output)
         self.assertRegex(output, "output/ .*wheel.*packages")
         self.assertIn("build/demo/tutorials/render/cbvh_render\n", output)
@@ -150,7 +150,7 @@ class Demo(unittest.TestCase):
         self.add_wheel()
         (self.tree / "docs/a.md").write_text("pages are not part of the programs")
         output = self.run_demo()
-        self.assertEqual(self.calls, 4 * ["wheel"], output)
+        self.assertEqual(self.calls, 3 * ["wheel"], output)
         self.assertRegex(output, f"output/{re.escape(WHEEL)} .*these sources")
         self.assertIn("build/prebuilt/cbvh_render\n", output)
 
