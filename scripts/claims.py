@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures on all generated scenes how much smaller cVERT and cGRID are than GRID (docs/measurements.md), and how many
-pixels differ in cVERT (docs/error.md).
+"""Measures on all generated scenes how much smaller cVERT and cGRID are than GRID, and how many pixels differ in cVERT
+(docs/error.md).
 
     scripts/claims.py                            all scenes: some minutes on two cores, and 7 GB for the largest NAIVE
     scripts/claims.py --scene cube,rough         only these; rough is trex with five times the displacement

@@ -2,12 +2,11 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures Blender's Cycles with Debian's Embree and with ours, and writes the result into README.md.
+"""Measures Blender's Cycles with Debian's Embree and with ours, and prints rows of the table in docs/measurements.md.
 
     scripts/measure_blender.py [--repeat N]     requires Debian 12's `blender` and a release build; takes some minutes
-    scripts/measure_blender.py --interposer LIBRARY [--scenes NAME...]
-                                                for a Blender on Embree 4, as Debian 13's and later ones; prints rows of
-                                                the table in docs/measurements.md, and README.md stays as is
+    scripts/measure_blender.py --interposer LIBRARY
+                                                for a Blender on Embree 4, as Debian 13's and later ones
 
 Renders scenes of scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
 scripts/blender/commit_probe.c reports Embree's memory and times. Memory excludes the geometry buffers that Blender
@@ -22,7 +21,6 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import textwrap
 from pathlib import Path
 
 try:
@@ -32,7 +30,6 @@ except ModuleNotFoundError as error:
     raise SystemExit(f"measure_blender.py: matplotlib is not installed for this Python: {package}") from error
 
 ROOT = Path(__file__).resolve().parent.parent
-BEGIN, END = "<!-- begin: scripts/measure_blender.py -->\n", "<!-- end -->\n"
 
 
 SCENES = {
@@ -107,7 +104,7 @@ def measure(scene, repeat, ours, folder):
 
 
 def row(scene, before, after, differing, pixels):
-    """Returns a row of the table in docs/measurements.md."""
+    """Returns a row of the table."""
     cells = [
         f"{after[key]:.{digits}f} / {before[key]:.{digits}f}"
         for key, digits in (("MiB", 1), ("peak", 0), ("build_cpu", 2), ("cpu", 1))
@@ -134,7 +131,7 @@ def main():
         choices=SCENES,
         default=list(SCENES),
         metavar="NAME",
-        help=f"with --interposer: {', '.join(SCENES)} (default: all)",
+        help=f"{', '.join(SCENES)} (default: all)",
     )
     options = parser.parse_args()
     if options.interposer:
@@ -149,31 +146,10 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     version = subprocess.run(["blender", "--version"], capture_output=True, text=True).stdout.split()[1]
     cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())[1]
-    if options.interposer:
-        rows = [row(scene, *measure(scene, options.repeat, ours, folder)) for scene in options.scenes]
-        print(f"Blender {version}, {cpu}, {os.cpu_count()} cores; ours / stock")
-        print("| scene | BVH, MiB | process at its peak, MiB | commits, CPU s | process, CPU s | pixels |")
-        print("|:--|--:|--:|--:|--:|--:|", *rows, sep="\n")
-        return
-    before, after, differing, pixels = measure("head", options.repeat, ours, folder)
-    rendering = (
-        f"render {after['render']:.1f} s instead of {before['render']:.1f}; "
-        f"{differing} of {pixels} pixels differ by more than 5%"
-    )
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True
-    ).stdout.strip()
-    text = (
-        f"Blender {version} then renders a subdivided and displaced head of 4 million triangles with an acceleration"
-        f" structure of {after['MiB']:.0f} MiB instead of {before['MiB']:.0f}, built in {after['build']:.2f} s instead"
-        f" of {before['build']:.1f}. Blender's own vertex and index buffers ({before['buffers']:.0f} MiB) stay."
-        f" (`scripts/measure_blender.py`, {cpu}, {os.cpu_count()} cores, commit {commit})"
-    )
-    text = "\n".join(textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False)) + "\n"
-    print(f"{text}{rendering}")
-    page = ROOT / "README.md"
-    head, rest = page.read_text().split(BEGIN)
-    page.write_text(f"{head}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}")
+    rows = [row(scene, *measure(scene, options.repeat, ours, folder)) for scene in options.scenes]
+    print(f"Blender {version}, {cpu}, {os.cpu_count()} cores; ours / stock")
+    print("| scene | BVH, MiB | process at its peak, MiB | commits, CPU s | process, CPU s | pixels |")
+    print("|:--|--:|--:|--:|--:|--:|", *rows, sep="\n")
 
 
 if __name__ == "__main__":

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures irregular meshes from packages and generated ones for docs/measurements.md: memory, builds, rays, and how far
-vertices move, as cTILE, the default, and cVERT, by default and lossless, compared with Embree's default and compact
+"""Measures irregular meshes from packages and generated ones for docs/measurements.md: memory, builds, rays, and how
+far vertices move, as cTILE, the default, and cVERT, by default and lossless, compared with Embree's default and compact
 modes. Prints a table in Markdown.
 
     scripts/measure_meshes.py PATH/TO/cbvh_render FOLDER [--only LIST] [--json FILE]

@@ -11,7 +11,7 @@
 
 namespace programs {
 
-/* Turns faces beyond Embree's limits (16 vertices per face, 64 faces around a vertex) into holes.
+/* Turns faces beyond Embree's limits (16 vertices per face, 1024 faces around a vertex) into holes.
  *
  * Appends a line to `warnings` for each face and each vertex beyond these limits, if all vertices have the same
  * position, and for each kind of:

@@ -145,7 +145,7 @@ constexpr const char* makeText = R"(Creates a cage from arrays.
 vertices: (n, 3), finite, in any unit.
 indices: (f, k) integers, the vertices of f faces with k corners each; or, with face_vertex_counts,
   (sum(face_vertex_counts),), the vertices of all faces one after the other. Embree supports up to 16 corners per face
-  and 64 faces around a vertex (63 at a border).
+  and 1024 faces around a vertex (1023 at a border).
 face_vertex_counts: (f,) integers, the number of corners of each face, at least 3.
 uvs: (m, 2), texture coordinates; (0, 0) is the lower left corner of an image, (1, 1) the upper right.
 uv_indices: parallel to indices, indices of the corners' texture coordinates, or 4294967295 at all corners of a face
