@@ -162,7 +162,8 @@ def headline(measured):
     text = (
         f"**{times(triangles)} times less memory than Embree's triangles, {times(subdivision)} times less than its"
         f" subdivision surfaces, and single rays at {measured.range_of_speeds(OURS, SINGLE)} times the speed of"
-        f" triangles** (any hit {measured.range_of_speeds(OURS, ANY)}, packets {measured.range_of_speeds(OURS, PACKET)})."
+        f" triangles** (any hit {measured.range_of_speeds(OURS, ANY)},"
+        f" packets {measured.range_of_speeds(OURS, PACKET)})."
     )
     return wrapped(text)
 
