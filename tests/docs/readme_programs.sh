@@ -36,9 +36,10 @@ block c "$page" > first_ray.c
 
 # --- the page's compile line ------------------------------------------------------------------------
 
-sed -n 's/^    \(export PKG_CONFIG_PATH=.*\)/\1/p; s/^    \(cc .*first_ray.*\)/\1/p' "$page" |
+sed -n 's/^    \(export PKG_CONFIG_PATH=.*\)/\1/p; s/^    \(cc .*first_ray.*\)/\1/p
+    s/^    \(.*\.\/first_ray\)$/\1/p' "$page" |
   sed "s|/opt/embree-cbvh|$work/opt|g" > commands
-[ "$(wc -l < commands)" = 2 ] || fail "the page has $(wc -l < commands) lines that compile the program: expected 2"
+[ "$(wc -l < commands)" = 3 ] || fail "the page has $(wc -l < commands) lines that compile and run it: expected 3"
 sed 's/ cc / cc -Wall -Wextra -Werror -pedantic /; s/^cc /cc -Wall -Wextra -Werror -pedantic /' commands > strict
 output=$(sh -eu strict) || fail "the program does not compile and run"
 echo "$output"
