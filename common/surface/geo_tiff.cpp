@@ -63,6 +63,20 @@ private:
   TIFFOpenOptions* const options;
 };
 
+/* GDAL and libgeotiff register the same fields. Texts of unregistered fields would lose their last character where a
+ * file ends them without a zero. */
+const TIFFFieldInfo geoFields[] = {
+    {PixelScale, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoPixelScale")},
+    {Tiepoints, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoTiePoints")},
+    {Matrix, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoTransformationMatrix")},
+    {Keys, -1, -1, TIFF_SHORT, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoKeyDirectory")},
+    {KeyNumbers, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoDoubleParams")},
+    {KeyTexts, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GeoASCIIParams")},
+    {GdalMetadata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALMetadata")},
+    {GdalNodata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALNoDataValue")}};
+
+void registerFields(TIFF* tiff) { TIFFMergeFieldInfo(tiff, geoFields, uint32_t(std::size(geoFields))); }
+
 /* Calls TIFFGetField for a tag with any number of values. Which arguments it expects depends on how the tag was
  * registered: by libtiff when it read the file, or by another library of the process, such as GDAL. */
 const void* fieldValues(TIFF* tiff, uint32_t tag, TIFFDataType type, size_t& count) {
@@ -123,13 +137,15 @@ bool hasPixelScale(const GeoTags& t) {
 
 bool hasMatrix(const GeoTags& t) { return t.matrix.size() == 16; }
 
-/* True if coordinates are those of the centers of pixels, and not of their upper left corners. */
-bool isPixelPoint(const GeoTags& t) {
-  constexpr uint16_t rasterType = 1025, pixelIsPoint = 2;
+/* True if a key has a value. */
+bool hasKey(const GeoTags& t, uint16_t key, uint16_t value) {
   for (size_t i = 4; i + 4 <= t.keys.size(); i += 4) // four numbers per key, after a header of four
-    if (t.keys[i] == rasterType) return t.keys[i + 1] == 0 && t.keys[i + 3] == pixelIsPoint;
+    if (t.keys[i] == key) return t.keys[i + 1] == 0 && t.keys[i + 3] == value;
   return false;
 }
+
+/* True if coordinates are those of the centers of pixels, and not of their upper left corners. */
+bool isPixelPoint(const GeoTags& t) { return hasKey(t, 1025, 2); }
 
 SamplePlaces movedBy(SamplePlaces p, double columns, double rows) {
   p.x0 += columns * p.xOfColumn + rows * p.xOfRow;
@@ -161,16 +177,6 @@ double numberOf(std::string_view text, const std::string& role) {
 }
 
 /* --- writing -------------------------------------------------------------------- */
-
-/* GDAL and libgeotiff register the same fields. */
-const TIFFFieldInfo geoFields[] = {
-    {PixelScale, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoPixelScale")},
-    {Tiepoints, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoTiePoints")},
-    {Matrix, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoTransformationMatrix")},
-    {Keys, -1, -1, TIFF_SHORT, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoKeyDirectory")},
-    {KeyNumbers, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("GeoDoubleParams")},
-    {KeyTexts, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GeoASCIIParams")},
-    {GdalNodata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALNoDataValue")}};
 
 /* Receives what libtiff writes. */
 class TiffOutput {
@@ -217,7 +223,7 @@ bool setText(TIFF* tiff, uint32_t tag, const std::string& text) {
 }
 
 bool setTags(TIFF* tiff, const RasterSamples& samples, const GeoTags& tags) {
-  TIFFMergeFieldInfo(tiff, geoFields, uint32_t(std::size(geoFields)));
+  registerFields(tiff);
   const int format = samples.kind == SampleKind::Floating ? SAMPLEFORMAT_IEEEFP
                      : samples.kind == SampleKind::Signed ? SAMPLEFORMAT_INT
                                                           : SAMPLEFORMAT_UINT;
@@ -255,10 +261,11 @@ std::vector<TiffPage> readTiffPages(const std::string& path) {
   std::vector<TiffPage> pages;
   std::string ignored;
   const TiffOptions options(&ignored);
-  const TiffHandle tiff(TIFFOpenExt(path.c_str(), "r", options.get()));
+  // h: pages are read below, once fields are registered; m: not mapped, so that a file may be truncated meanwhile
+  const TiffHandle tiff(TIFFOpenExt(path.c_str(), "rhm", options.get()));
   if (!tiff) return pages;
-  do pages.push_back(readPage(tiff.get()));
-  while (TIFFReadDirectory(tiff.get()));
+  registerFields(tiff.get());
+  while (TIFFReadDirectory(tiff.get())) pages.push_back(readPage(tiff.get()));
   return pages;
 }
 
@@ -285,6 +292,14 @@ void setSamplePlaces(GeoTags& tags, const SamplePlaces& places) {
     tags.pixelScale = {p.xOfColumn, -p.yOfRow, 0};
     tags.tiepoints = {0, 0, 0, p.x0, p.y0, 0};
   } else tags.matrix = {p.xOfColumn, p.xOfRow, 0, p.x0, p.yOfColumn, p.yOfRow, 0, p.y0, 0, 0, 0, 0, 0, 0, 0, 1};
+}
+
+std::optional<double> projectedCell(const GeoTags& tags) {
+  const std::optional<SamplePlaces> p = samplePlaces(tags);
+  if (!p || !hasKey(tags, 1024, 1)) return {};
+  const double width = std::hypot(p->xOfColumn, p->yOfColumn), height = std::hypot(p->xOfRow, p->yOfRow);
+  if (std::abs(width - height) > 1e-6 * width) return {};
+  return width;
 }
 
 GeoTags tagsOfPart(GeoTags t, size_t column, size_t row) {
@@ -320,7 +335,8 @@ HeightScale heightScale(const GeoTags& tags, int channel) {
 
 void writeGeoTiff(const std::string& path, const RasterSamples& samples, const GeoTags& tags) {
   constexpr size_t mostValues = 65535; // of a tag, as GDAL's fields count them
-  if (std::max({tags.tiepoints.size(), tags.keys.size(), tags.keyNumbers.size()}) > mostValues)
+  if (std::max({tags.pixelScale.size(), tags.tiepoints.size(), tags.matrix.size(), tags.keys.size(),
+                tags.keyNumbers.size()}) > mostValues)
     throw Error(path + ": cannot be written: the georeference has a tag of more than 65535 values");
   const double bytes = double(samples.width) * double(samples.height) * double(samples.channels * samples.bits / 8);
   TiffOutput output(path);

@@ -48,6 +48,9 @@ struct SamplePlaces {
 /* Empty without a transformation, also if the file has only control points. The precedence of tags is GDAL's. */
 std::optional<SamplePlaces> samplePlaces(const GeoTags& tags);
 
+/* Distance between samples in projected coordinates (not in degrees), if it is the same along columns and rows. */
+std::optional<double> projectedCell(const GeoTags& tags);
+
 /* Replaces the transformation of tags. Keeps whether it refers to the corners or to the centers of pixels. */
 void setSamplePlaces(GeoTags& tags, const SamplePlaces& places);
 

@@ -261,6 +261,7 @@ TEST_F(Terrain, OutputsAreWhereTheInputIs) {
       test::TiffLayout t = nationalLayout(isPoint);
       t.isBigEndian = isPoint;
       t.isBigTiff = isPoint != isRotated;
+      t.endsTexts = isPoint;
       t.metadata = "<GDALMetadata><Item name=\"STATISTICS_MAXIMUM\" sample=\"0\">49</Item></GDALMetadata>";
       SamplePlaces p = {4512345.5 - 6, 2, 0, 5432109.25 + 8, 0, -2};
       if (isRotated) {
@@ -280,6 +281,8 @@ TEST_F(Terrain, OutputsAreWhereTheInputIs) {
       ASSERT_TRUE(samplePlaces(ofWhole));
       expectPlaces(*samplePlaces(ofWhole), p);
       EXPECT_TRUE(std::isnan(whole.at(7, 9)));
+      if (!isRotated) EXPECT_EQ(run(path + " --azimuths 4").at(3, 3), whole.at(3, 3)) << "the cell of the file";
+      else EXPECT_NE(run(path + " --azimuths 4").at(3, 3), whole.at(3, 3)) << "oblong pixels: the default";
       const Picture part = run(path + " --cell 2 --azimuths 4 --crop 5,3,20,21", ".TIFF");
       const GeoTags ofPart = tagsOf(folder + "/factors" + std::to_string(files - 1) + ".TIFF");
       EXPECT_EQ(part.at(0, 0), whole.at(5, 3));

@@ -167,6 +167,8 @@ class Rasters(unittest.TestCase):
         terrain, values, path = cbvh.terrain(np.zeros((4, 5))), np.zeros((4, 5)), self.path()
         plain, source = self.path(), self.national(np.zeros((4, 5), np.float32))
         write_tiff(plain, np.zeros((4, 5), np.float32))
+        placed = self.path()
+        write_tiff(placed, np.zeros((4, 5), np.float32), [(33550, [2, 2, 0]), (33922, [0, 0, 0, 1, 2, 0])])
         self.assertEqual([cbvh.read_raster(plain)[name] for name in ("cell", "origin")], [None, None])
         for error, text, call in (
             (ValueError, r"values: .*\(20,\).*\(rows, columns\)", lambda: cbvh.write_raster(path, [0] * 20, terrain)),
@@ -176,6 +178,9 @@ class Rasters(unittest.TestCase):
             (ValueError, "column: is -1, ", lambda: cbvh.write_raster(path, values, source, column=-1)),
             (ValueError, "like: .*no georeference", lambda: cbvh.write_raster(path, values, plain)),
             (ValueError, "crs: .*no georeference", lambda: cbvh.write_raster(path, values, terrain, crs=plain)),
+            (ValueError, "crs: .*no coordinate system", lambda: cbvh.write_raster(path, values, terrain, crs=placed)),
+            (cbvh.Error, "like: .*regular", lambda: cbvh.write_raster(path, values, os.path.dirname(path))),
+            (cbvh.Error, "input", lambda: cbvh.write_raster(placed, values, placed)),
             (TypeError, "crs: .*None", lambda: cbvh.write_raster(path, values, source, crs=source)),
             (cbvh.Error, "like: .*none.*exist", lambda: cbvh.write_raster(path, values, path + "none")),
             (TypeError, "like: ", lambda: cbvh.write_raster(path, values, 3)),

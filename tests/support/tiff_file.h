@@ -29,6 +29,7 @@ struct TiffLayout {
   std::vector<uint16_t> colors;                      // of a palette: all red, all green, all blue values
   std::string nodata;                                // GDAL's tag 42113, left out if empty
   std::string metadata;                              // GDAL's tag 42112
+  bool endsTexts = true;                             // texts end with a zero, as the specification requires
   std::vector<double> pixelScale, tiepoints, matrix; // of GeoTIFF
   std::vector<uint16_t> geoKeys;
   unsigned subfile = 0;                        // NewSubfileType: 1 a smaller copy of the page before, 4 a mask
@@ -86,8 +87,8 @@ public:
     addNumbers(33922, t.tiepoints);                                                       // ModelTiepointTag
     addNumbers(34264, t.matrix);                                                          // ModelTransformationTag
     if (!t.geoKeys.empty()) addEntry(34735, Short, {t.geoKeys.begin(), t.geoKeys.end()}); // GeoKeyDirectoryTag
-    addText(42112, t.metadata);                                                           // GDAL_METADATA
-    addText(42113, t.nodata);                                                             // GDAL_NODATA
+    addText(42112, t.metadata, t.endsTexts);                                              // GDAL_METADATA
+    addText(42113, t.nodata, t.endsTexts);                                                // GDAL_NODATA
     writeDirectory();
   }
 
@@ -122,9 +123,9 @@ private:
     if (!bits.empty()) addEntry(tag, Double, bits);
   }
 
-  void addText(unsigned tag, const std::string& text) {
+  void addText(unsigned tag, const std::string& text, bool isEnded) {
     std::vector<uint64_t> letters(text.begin(), text.end());
-    letters.push_back(0);
+    if (isEnded) letters.push_back(0);
     if (!text.empty()) addEntry(tag, Ascii, letters);
   }
 

@@ -13,6 +13,7 @@
 #include "../terrain/elevation.h"
 
 #include "basics/error.h"
+#include "basics/input_files.h"
 #include "basics/parallel.h"
 #include "surface/geo_tiff.h"
 
@@ -86,6 +87,9 @@ struct Frame {
 
 /* The first page of a GeoTIFF that is no smaller copy and no mask. */
 Frame frameOfFile(const fs::path& path, const std::string& argument) {
+  if (fs::exists(path) && !fs::is_regular_file(path))
+    throw Error(argument + ": " + path.string() + " is not a regular file: expected a GeoTIFF file");
+  recordInputFile(path.string());
   for (const TiffPage& page : readTiffPages(path.string())) {
     if (page.isCopyOrMask) continue;
     if (page.tags.keys.empty() && page.tags.tiepoints.empty() && page.tags.matrix.empty()) break;
@@ -99,11 +103,13 @@ Frame frameOfTerrain(const Georeference& space, const std::optional<fs::path>& c
   Frame frame{space.rows, space.columns, {}};
   if (crs) {
     const GeoTags tags = frameOfFile(*crs, "crs").tags;
+    if (tags.keys.empty())
+      throwValueError("crs", crs->string() + " has no coordinate system: expected a GeoTIFF file with geokeys");
     frame.tags.keys = tags.keys;
     frame.tags.keyNumbers = tags.keyNumbers;
     frame.tags.keyTexts = tags.keyTexts;
   }
-  if (frame.tags.keys.empty()) frame.tags.keys = {1, 1, 0, 1, 1025, 0, 1, 1}; // version 1.1; pixels are areas
+  if (frame.tags.keys.empty()) frame.tags.keys = {1, 1, 0, 1, 1025, 0, 1, 1}; // revision 1.0; pixels are areas
   setSamplePlaces(frame.tags, {space.origin.x, space.cellX, 0, space.origin.y, 0, space.cellY});
   return frame;
 }

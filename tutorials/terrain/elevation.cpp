@@ -49,7 +49,8 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings) {
   if (sourceWidth < 2 || sourceHeight < 2)
     throw Error(settings.path + ": the raster has " + std::to_string(sourceWidth) + " x " +
                 std::to_string(sourceHeight) + " samples: expected at least 2 x 2");
-  if (std::max(double(settings.repeatX) * sourceWidth, double(settings.repeatY) * sourceHeight) > 1e6)
+  if (std::max(settings.repeatX, settings.repeatY) > 1 &&
+      std::max(double(settings.repeatX) * sourceWidth, double(settings.repeatY) * sourceHeight) > 1e6)
     throw Error("invalid --height-repeat " + std::to_string(settings.repeatX) + "x" + std::to_string(settings.repeatY) +
                 ": expected at most 1000000 samples along each side");
 }

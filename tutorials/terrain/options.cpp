@@ -5,6 +5,10 @@
 #include "basics/image_file.h"
 #include "programs/command_line.h"
 #include "programs/outputs.h"
+#include "surface/geo_tiff.h"
+
+#include <filesystem>
+#include <optional>
 
 namespace programs {
 namespace {
@@ -24,6 +28,18 @@ HeightEncoding parseEncoding(const std::string& text) {
   throw Error("invalid --encoding '" + text + "': expected terrarium or mapbox");
 }
 
+/* Of a GeoTIFF in projected coordinates. */
+std::optional<float> cellOf(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  for (const TiffPage& page : readTiffPages(path))
+    if (!page.isCopyOrMask) {
+      const std::optional<double> cell = projectedCell(page.tags);
+      return cell ? std::optional<float>(float(*cell)) : std::nullopt;
+    }
+  return {};
+}
+
 } // namespace
 
 bool parseOptions(Options& options, int argc, char** argv) {
@@ -39,7 +55,7 @@ bool parseOptions(Options& options, int argc, char** argv) {
                  "georeference of a GeoTIFF")
       ->type_name("FILE")
       ->capture_default_str();
-  app.add_option("--cell", options.cell, "distance between samples")->capture_default_str();
+  app.add_option("--cell", options.cell, "distance between samples [of a GeoTIFF in projected coordinates, else 30]");
   app.add_option("--channel", options.elevation.channel, "name or number of the channel of heights [the only one]")
       ->type_name("NAME|N");
   app.add_option("--encoding", encoding,
@@ -76,6 +92,7 @@ bool parseOptions(Options& options, int argc, char** argv) {
   requireNotNegative("--noise-height", options.elevation.noiseHeight);
   requireNotNegative("--max-error", options.maxError);
   requireNotNegative("--start-height", options.startHeight);
+  if (!app.count("--cell")) options.cell = cellOf(options.elevation.path).value_or(options.cell);
   if (!(options.cell > 0) || !std::isfinite(options.cell))
     throw Error("invalid --cell " + shortNumber(options.cell) + ": expected a finite length above 0");
   if (!(options.accuracy >= 0.001f && options.accuracy <= 10.0f))
