@@ -101,6 +101,11 @@ cbvh_package(capi_devel libembree-cbvh1-dev "" same libdevel
   "Compressed subdivision surfaces next to any Embree: development files")
 set(CPACK_DEBIAN_CAPI_DEVEL_PACKAGE_DEPENDS "libembree-cbvh1 (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_CAPI_DEVEL_PACKAGE_SHLIBDEPS OFF)
+# Packages of versions before 1.0, which contain files of the same names.
+foreach(field CONFLICTS REPLACES)
+  set(CPACK_DEBIAN_CAPI_PACKAGE_${field} libembree-cbvh0)
+  set(CPACK_DEBIAN_CAPI_DEVEL_PACKAGE_${field} libembree-cbvh0-dev)
+endforeach()
 
 cbvh_package(examples embree-cbvh-tools embree-tools foreign graphics "Embree CBVH: its programs and Embree's")
 

@@ -105,6 +105,8 @@ endif()
 # --- documentation pages, and C and C++ examples next to those in Python ------------------------
 
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh" COMPONENT devel)
+install(FILES "${CMAKE_SOURCE_DIR}/kernels/cbvh/paper/README.md" # other pages refer to it
+  DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/kernels/cbvh/paper" COMPONENT devel)
 set(examples_folder "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples")
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/codec" DESTINATION "${examples_folder}"
   COMPONENT devel FILES_MATCHING PATTERN "*.cpp")

@@ -10,7 +10,9 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("kernels/**/*.md")])
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *(page for folder in ("docs", "kernels", "tests") for page in ROOT.glob(f"{folder}/**/*.md"))]
+)
 SHORT_PATH = re.compile(r"`([\w-]+/[\w./-]+\.(?:h|cpp|glsl|cmake))`")
 # Folders that short paths begin in.
 FOLDERS = [ROOT / folder for folder in (".", "include", "kernels", "kernels/cbvh", "kernels/cvert")]

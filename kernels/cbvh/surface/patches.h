@@ -23,7 +23,7 @@ inline bool hasSurface(const SubdivMesh* mesh, size_t face) {
 }
 
 /*! True if Embree cannot evaluate the surface where an edge begins: a face there has fewer than 3 or more than 16
- *  corners, or the vertex has more than 64 faces (63 at a border) or more neighbors than a ring stores. */
+ *  corners, or the vertex has more than 1024 faces (1023 at a border) or more neighbors than a ring stores. */
 inline bool isUnsupportedAtVertex(const HalfEdge* edge) {
   size_t faceValence = 0, edgeValence = 0;
   const HalfEdge* around = edge; // backwards around the vertex; at a border, continues at the vertex's other border
