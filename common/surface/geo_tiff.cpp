@@ -13,6 +13,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <string_view>
 #include <system_error>
 
@@ -75,7 +76,18 @@ const TIFFFieldInfo geoFields[] = {
     {GdalMetadata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALMetadata")},
     {GdalNodata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALNoDataValue")}};
 
-void registerFields(TIFF* tiff) { TIFFMergeFieldInfo(tiff, geoFields, uint32_t(std::size(geoFields))); }
+TIFFExtendProc otherExtender = nullptr; // of another library of the process, such as GDAL
+
+/* libtiff forgets registered fields when it reads a directory, unless a function for all files registers them. */
+void registerFields() {
+  static std::once_flag isRegistered;
+  std::call_once(isRegistered, [] {
+    otherExtender = TIFFSetTagExtender([](TIFF* tiff) {
+      TIFFMergeFieldInfo(tiff, geoFields, uint32_t(std::size(geoFields)));
+      if (otherExtender) otherExtender(tiff);
+    });
+  });
+}
 
 /* Calls TIFFGetField for a tag with any number of values. Which arguments it expects depends on how the tag was
  * registered: by libtiff when it read the file, or by another library of the process, such as GDAL. */
@@ -223,7 +235,6 @@ bool setText(TIFF* tiff, uint32_t tag, const std::string& text) {
 }
 
 bool setTags(TIFF* tiff, const RasterSamples& samples, const GeoTags& tags) {
-  registerFields(tiff);
   const int format = samples.kind == SampleKind::Floating ? SAMPLEFORMAT_IEEEFP
                      : samples.kind == SampleKind::Signed ? SAMPLEFORMAT_INT
                                                           : SAMPLEFORMAT_UINT;
@@ -261,11 +272,11 @@ std::vector<TiffPage> readTiffPages(const std::string& path) {
   std::vector<TiffPage> pages;
   std::string ignored;
   const TiffOptions options(&ignored);
-  // h: pages are read below, once fields are registered; m: not mapped, so that a file may be truncated meanwhile
-  const TiffHandle tiff(TIFFOpenExt(path.c_str(), "rhm", options.get()));
+  registerFields();
+  const TiffHandle tiff(TIFFOpenExt(path.c_str(), "rm", options.get())); // m: not mapped, as the file may be truncated
   if (!tiff) return pages;
-  registerFields(tiff.get());
-  while (TIFFReadDirectory(tiff.get())) pages.push_back(readPage(tiff.get()));
+  do pages.push_back(readPage(tiff.get()));
+  while (TIFFReadDirectory(tiff.get()));
   return pages;
 }
 
@@ -342,6 +353,7 @@ void writeGeoTiff(const std::string& path, const RasterSamples& samples, const G
   TiffOutput output(path);
   std::string error;
   const TiffOptions options(&error);
+  registerFields();
   TiffHandle tiff = output.open(path, bytes > 4e9 ? "w8" : "w", options);
   if (!tiff || !setTags(tiff.get(), samples, tags) || !writeRows(tiff.get(), samples))
     throw Error(path + ": cannot be written: " + (output.pending.error().empty() ? error : output.pending.error()));
