@@ -16,6 +16,7 @@
 #include <mutex>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace programs {
 namespace {
@@ -89,38 +90,25 @@ void registerFields() {
   });
 }
 
-/* Calls TIFFGetField for a tag with any number of values. Which arguments it expects depends on how the tag was
- * registered: by libtiff when it read the file, or by another library of the process, such as GDAL. */
-const void* fieldValues(TIFF* tiff, uint32_t tag, TIFFDataType type, size_t& count) {
+/* False if another library of the process registered a tag in another form: TIFFGetField would expect other arguments.
+ */
+bool isRegistered(TIFF* tiff, uint32_t tag, TIFFDataType type) {
   const TIFFField* const field = TIFFFindField(tiff, tag, TIFF_ANY);
-  if (!field || TIFFFieldDataType(field) != type) return nullptr;
-  const void* values = nullptr;
-  if (!TIFFFieldPassCount(field)) {
-    if (type != TIFF_ASCII || !TIFFGetField(tiff, tag, &values) || !values) return nullptr;
-    count = std::string_view(static_cast<const char*>(values)).size();
-  } else if (TIFFFieldReadCount(field) == TIFF_VARIABLE2) {
-    uint32_t n = 0;
-    if (!TIFFGetField(tiff, tag, &n, &values)) return nullptr;
-    count = n;
-  } else {
-    uint16_t n = 0;
-    if (!TIFFGetField(tiff, tag, &n, &values)) return nullptr;
-    count = n;
-  }
-  return values;
+  return field && TIFFFieldDataType(field) == type && TIFFFieldReadCount(field) == TIFF_VARIABLE &&
+         bool(TIFFFieldPassCount(field)) == (type != TIFF_ASCII);
 }
 
 template<typename T>
 std::vector<T> numbersOf(TIFF* tiff, uint32_t tag, TIFFDataType type) {
-  size_t count = 0;
-  const T* const values = static_cast<const T*>(fieldValues(tiff, tag, type, count));
-  return values ? std::vector<T>(values, values + count) : std::vector<T>();
+  uint16_t count = 0;
+  const T* values = nullptr;
+  if (!isRegistered(tiff, tag, type) || !TIFFGetField(tiff, tag, &count, &values)) return {};
+  return {values, values + count};
 }
 
-/* Ends at the first zero. */
 std::string textOf(TIFF* tiff, uint32_t tag) {
-  const std::vector<char> text = numbersOf<char>(tiff, tag, TIFF_ASCII);
-  return {text.begin(), std::find(text.begin(), text.end(), '\0')};
+  const char* text = nullptr;
+  return isRegistered(tiff, tag, TIFF_ASCII) && TIFFGetField(tiff, tag, &text) && text ? text : "";
 }
 
 TiffPage readPage(TIFF* tiff) {
@@ -278,6 +266,12 @@ std::vector<TiffPage> readTiffPages(const std::string& path) {
   do pages.push_back(readPage(tiff.get()));
   while (TIFFReadDirectory(tiff.get()));
   return pages;
+}
+
+std::optional<TiffPage> firstImage(const std::string& path) {
+  for (TiffPage& page : readTiffPages(path))
+    if (!page.isCopyOrMask) return std::move(page);
+  return {};
 }
 
 std::optional<SamplePlaces> samplePlaces(const GeoTags& t) {

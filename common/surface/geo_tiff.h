@@ -35,6 +35,9 @@ struct TiffPage {
  * OpenImageIO reports. Ignores tags whose type is not that of the standard. */
 std::vector<TiffPage> readTiffPages(const std::string& path);
 
+/* The first page that is no smaller copy and no mask, if there is one. */
+std::optional<TiffPage> firstImage(const std::string& path);
+
 /* --- place ------------------------------------------------------------------- */
 
 /* Coordinates of samples, the centers of pixels: x = x0 + column * xOfColumn + row * xOfRow, and y as well. */

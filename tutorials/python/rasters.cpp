@@ -85,16 +85,14 @@ struct Frame {
   GeoTags tags;
 };
 
-/* The first page of a GeoTIFF that is no smaller copy and no mask. */
+/* Of the first image of a GeoTIFF. */
 Frame frameOfFile(const fs::path& path, const std::string& argument) {
   if (fs::exists(path) && !fs::is_regular_file(path))
     throw Error(argument + ": " + path.string() + " is not a regular file: expected a GeoTIFF file");
   recordInputFile(path.string());
-  for (const TiffPage& page : readTiffPages(path.string())) {
-    if (page.isCopyOrMask) continue;
-    if (page.tags.keys.empty() && page.tags.tiepoints.empty() && page.tags.matrix.empty()) break;
-    return {page.height, page.width, page.tags};
-  }
+  const std::optional<TiffPage> page = firstImage(path.string());
+  if (page && !(page->tags.keys.empty() && page->tags.tiepoints.empty() && page->tags.matrix.empty()))
+    return {page->height, page->width, page->tags};
   if (!fs::exists(path)) throw Error(argument + ": " + path.string() + " does not exist: expected a GeoTIFF file");
   throwValueError(argument, path.string() + " has no georeference of a GeoTIFF: expected a GeoTIFF file");
 }

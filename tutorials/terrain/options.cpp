@@ -29,15 +29,11 @@ HeightEncoding parseEncoding(const std::string& text) {
 }
 
 /* Of a GeoTIFF in projected coordinates. */
-std::optional<float> cellOf(const std::string& path) {
+std::optional<double> cellOf(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return {};
-  for (const TiffPage& page : readTiffPages(path))
-    if (!page.isCopyOrMask) {
-      const std::optional<double> cell = projectedCell(page.tags);
-      return cell ? std::optional<float>(float(*cell)) : std::nullopt;
-    }
-  return {};
+  const std::optional<TiffPage> page = firstImage(path);
+  return page ? projectedCell(page->tags) : std::nullopt;
 }
 
 } // namespace
@@ -92,7 +88,7 @@ bool parseOptions(Options& options, int argc, char** argv) {
   requireNotNegative("--noise-height", options.elevation.noiseHeight);
   requireNotNegative("--max-error", options.maxError);
   requireNotNegative("--start-height", options.startHeight);
-  if (!app.count("--cell")) options.cell = cellOf(options.elevation.path).value_or(options.cell);
+  if (!app.count("--cell")) options.cell = float(cellOf(options.elevation.path).value_or(options.cell));
   if (!(options.cell > 0) || !std::isfinite(options.cell))
     throw Error("invalid --cell " + shortNumber(options.cell) + ": expected a finite length above 0");
   if (!(options.accuracy >= 0.001f && options.accuracy <= 10.0f))
