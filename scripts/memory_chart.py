@@ -11,7 +11,7 @@ FONT = "font-family='Helvetica, Arial, sans-serif'"
 
 
 def text(x, y, words, size=12, attributes=""):
-    return f"<text x='{x:.0f}' y='{y:.0f}' font-size='{size}' {FONT} {attributes}>{escape(words)}</text>"
+    return f"<text x='{x:.0f}' y='{y:.0f}' font-size='{size}' {attributes}>\n{escape(words)}\n</text>"
 
 
 def svg(title, groups, source):
@@ -35,4 +35,4 @@ def svg(title, groups, source):
     out.append(text(8, y, source, 10, "fill='#555555'"))
     size = f"width='{WIDTH}' height='{y + 10}' viewBox='0 0 {WIDTH} {y + 10}'"
     background = f"<rect width='{WIDTH}' height='{y + 10}' fill='white'/>"
-    return "\n".join([f"<svg xmlns='http://www.w3.org/2000/svg' {size}>", background, *out, "</svg>", ""])
+    return "\n".join([f"<svg xmlns='http://www.w3.org/2000/svg' {FONT}\n  {size}>", background, *out, "</svg>", ""])

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-OTHERS = re.compile(r"\.(patch|abi|jpg|svg|cbvh)$|^LICENSE|patches/series$|tests/docs/text\.py$")  # not our text
+OTHERS = re.compile(r"\.(patch|abi|jpg|cbvh)$|^LICENSE|patches/series$|tests/docs/text\.py$")  # not our text
 ACCEPTED = "bu,froms,inout,lod,nd,requestor,threds"  # words that codespell does not know
 PROSE = re.compile(r"(?:(?<![:\w])(?://|#(?!include|define|if|el|en))|^\s*/?\*+ )(.*)")  # of code: comments
 DIALECT = {
