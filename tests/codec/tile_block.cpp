@@ -9,6 +9,7 @@
 #include "kernels/cvert/conversion/tile_conversion.h"
 #include "kernels/cvert/format/block_type.h"
 #include "codec/format_pages.h"
+#include "support/moving_sheet.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -204,6 +205,86 @@ TEST(TileBlock, KeepsPrimitiveNumbers) {
   }
   EXPECT_GT(tables, 30u);
   EXPECT_GT(pairs, 30u);
+}
+
+// Of blocks or tiles whose vertices are finite.
+void expectEqualSteps(const VertHeader* expected, const VertHeader* found) {
+  ASSERT_EQ(motionOf(found).begin, motionOf(expected).begin);
+  ASSERT_EQ(motionOf(found).end, motionOf(expected).end);
+  ASSERT_EQ(motionOf(found).numSteps, motionOf(expected).numSteps);
+  for (uint32_t s = 0; s < motionOf(expected).numSteps; s++) {
+    const auto a = std::make_unique<DecodedBlock>(expected, s), b = std::make_unique<DecodedBlock>(found, s);
+    for (uint32_t v = 0; v < (a->quadsX + 1) * (a->quadsY + 1); v++)
+      for (int k = 0; k < 3; k++) ASSERT_EQ(a->vertices[v][k], b->vertices[v][k]) << "step " << s << ", vertex " << v;
+  }
+}
+
+TEST(TileBlock, MovingTilesHaveTheStepsOfTheirBlocks) {
+  Random random(seed + 3);
+  auto encoder = std::make_unique<MotionEncoder>();
+  auto tileEncoder = std::make_unique<MovingTileEncoder>();
+  NumbersEncoder numbers;
+  size_t without = 0, withNumbers = 0, tiles = 0;
+  for (int i = 0; i < 600; i++) {
+    const uint32_t quadsX = 5 + random.below(12), quadsY = 5 + random.below(12);
+    const MovingSheet sheet(random, quadsX, quadsY, i);
+    const uint32_t steps = uint32_t(sheet.steps.size()), region = packRegion(quadsX, quadsY, 16, 0);
+    VertPlacement at = placement(random, quadsX, quadsY);
+    const bool haveNumbers = i % 3 == 0;
+    if (haveNumbers) {
+      QuadNumbers patch;
+      patch.numbering = i % 2 ? primIDsOfTriangles : 0u;
+      patch.width = quadsX;
+      for (uint32_t q = 0; q < quadsX * quadsY; q++) patch.numbers.push_back(2 * random.below(5000));
+      numbers.choosePattern(patch, 0, 0, quadsX, quadsY);
+      at = VertPlacement(region, numbers.numbering, numbers.pattern);
+    }
+    std::vector<uint32_t> memory[3];
+    for (auto& bytes : memory) bytes.resize(maxBytesOfMovingForms(steps) / sizeof(uint32_t));
+    VertHeader *const block = (VertHeader*)memory[0].data(), *const tile = (VertHeader*)memory[1].data(),
+                      *const again = (VertHeader*)memory[2].data();
+    encoder->begin(at, 0.25f, 0.75f, steps, (uint8_t*)block);
+    for (const MovingSheet::Step& step : sheet.steps) {
+      std::memcpy(encoder->vertices(), step.data(), sizeof(step[0]) * step.size());
+      encoder->addStep();
+    }
+    MotionStatistics statistics, ofTile;
+    const size_t size = encoder->finish(statistics);
+    ASSERT_GT(size, 0u);
+    EXPECT_EQ(laterStepBytes(block), statistics.stepBytes);
+    EXPECT_EQ(isAnyStepRaw(block), bool(statistics.raw));
+    block->surface = uint32_t(i);
+    block->primID = uint32_t(3 * i);
+    if (haveNumbers) numbers.finish(block, size);
+    const size_t bytes = movingTileOfBlock(block, *tileEncoder, (uint8_t*)tile, ofTile);
+    bool areFinite = true;
+    for (const MovingSheet::Step& step : sheet.steps)
+      for (const auto& p : step)
+        for (float c : p) areFinite &= std::isfinite(c);
+    ASSERT_EQ(bytes != 0, areFinite && quadsX * quadsY >= minTileQuads) << "sheet " << i;
+    if (bytes == 0) {
+      without++;
+      continue;
+    }
+    tiles++;
+    ASSERT_EQ(tileBytes(tile), bytes);
+    ASSERT_TRUE(isTile(tile->info) && isMoving(tile->info));
+    ASSERT_EQ(tile->surface, uint32_t(i));
+    ASSERT_EQ(tile->primID, block->primID);
+    EXPECT_EQ(laterStepBytes(tile), ofTile.stepBytes);
+    ASSERT_NO_FATAL_FAILURE(expectEqualSteps(block, tile)) << "sheet " << i;
+    for (uint32_t y = 0; y < quadsY && haveNumbers; y++)
+      for (uint32_t x = 0; x < quadsX; x++)
+        for (bool isSecond : {false, true})
+          ASSERT_EQ(primitiveOfQuad(tile, x, y, isSecond).primID, primitiveOfQuad(block, x, y, isSecond).primID);
+    withNumbers += haveNumbers && haveTable(numbers.numbering);
+    ASSERT_GT(movingBlockOfTile(tile, *encoder, (uint8_t*)again, statistics), 0u);
+    ASSERT_EQ(vertBytes(again), vertBytes(block));
+    ASSERT_EQ(std::memcmp(again, block, vertBytes(block)), 0) << "sheet " << i;
+  }
+  EXPECT_GT(tiles, 250u);
+  EXPECT_GT(without, 100u);
+  EXPECT_GT(withNumbers, 50u);
 }
 
 TEST(TileBlock, ConstantsMatchThePage) {

@@ -183,9 +183,10 @@ struct NearestVertex {
 };
 
 template<typename Make, typename Mesh>
-void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random) {
+void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random,
+                        RTCCompression compression) {
   Scene scene(device);
-  attach(scene, make(device, mesh, RTC_COMPRESSION_CVERT, 0, 2));
+  attach(scene, make(device, mesh, compression, 0, 2));
   rtcCommitScene(scene);
   ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
   for (int i = 0; i < 100; i++) {
@@ -201,6 +202,12 @@ void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh
     ASSERT_NEAR(nearest.distance, all.distance, 0.1);
     ASSERT_GE(nearest.distance, all.distance);
   }
+}
+
+template<typename Make, typename Mesh>
+void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random) {
+  for (RTCCompression compression : {RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE})
+    ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, make, mesh, random, compression));
 }
 
 TEST(MovingMeshesInTime, PointQueriesFindPositionsAtTheirTime) {

@@ -1,11 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays have the same hits in tiles as in the blocks of cVERT, to the bit, with every query: cages, also with stitched
- * edges, holes, and vertices that are not finite; grids and meshes; at every precision; along axes, at vertices, and
- * with directions of any length. */
+/* Rays have the same hits in tiles as in the blocks of cVERT, to the bit, with every query: cages, also moving, with
+ * stitched edges, holes, and vertices that are not finite; grids and meshes; at every precision; along axes, at
+ * vertices, and with directions of any length. */
 
 #include "support/irregular_mesh.h"
+#include "support/moving_surface.h"
 #include "support/odd_rays.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
@@ -182,6 +183,80 @@ TEST_P(TileSurfaces, GridsAndMeshes) {
   }
 }
 
+// Steps that turn slowly, or so fast that the tree splits time; all times, or a part of them.
+TEST_P(TileSurfaces, MovingCages) {
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  for (unsigned timeSteps : {2u, 3u, 6u})
+    for (float rate : {11.0f, 16.0f, 37.0f})
+      for (bool isFast : {false, true}) {
+        SCOPED_TRACE(testing::Message() << timeSteps << " steps, rate " << rate << (isFast ? ", fast" : ""));
+        settings.timeSteps = timeSteps;
+        settings.rate = rate;
+        settings.maxError = rate == 11 ? 0.0f : 1e-4f;
+        settings.motion = [isFast](const Vec& p, unsigned i) { return isFast ? orbiting(p, i) : twisted(p, 0.3 * i); };
+        settings.begin = rate == 16 ? 0.25f : 0.0f;
+        settings.end = rate == 16 ? 0.75f : 1.0f;
+        std::vector<RTCRayHit> timed = timedRays(random, 2000);
+        for (size_t i = 0; i < timed.size(); i += 10) timed[i].ray.time = float(i / 10 % 3) * 0.5f;
+        if (isFast)
+          for (RTCRayHit& r : timed) r.ray.org_x += 3.0f;
+        ASSERT_NO_FATAL_FAILURE(expectEqualCages(prismCage(5), settings, timed, 40));
+      }
+}
+
+TEST_P(TileSurfaces, MovingCagesWithStitchedEdgesHolesAndInvalidVertices) {
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.timeSteps = 4;
+  Cage cage = cubeCage();
+  for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(7 + 5 * (i % 7)));
+  cage.holes = {2};
+  ASSERT_NO_FATAL_FAILURE(expectEqualCages(cage, settings, timedRays(random, 3000), 500));
+  settings.edgeRates.clear();
+  displacement.poison = [](unsigned primID, float u, float v) { return primID == 1 && u > 0.4f && v > 0.7f; };
+  ASSERT_NO_FATAL_FAILURE(expectEqual(timedRays(random, 3000), 500, [&](RTCScene scene, RTCCompression compression) {
+    settings.compression = compression;
+    addSurface(device, scene, cage, settings);
+    rtcCommitScene(scene);
+    device.takeError(); // names the vertices
+  }));
+}
+
+// From the middle to vertices and edges.
+TEST_P(TileSurfaces, MovingVerticesAndEdges) {
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_CVERT;
+  settings.timeSteps = 3;
+  settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3 * i); };
+  const RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+  Scene scene(device); // compresses the geometry
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  const std::vector<RTCRayHit> aimed = raysAtMovingSurface(random, geometry, 12, 400);
+  rtcReleaseGeometry(geometry);
+  ASSERT_NO_FATAL_FAILURE(expectEqualCages(cubeCage(), settings, aimed, aimed.size()));
+}
+
+TEST_P(TileSurfaces, MovingGridsAndMeshes) {
+  const Diced ball = dicedBall(2, 20);
+  std::vector<RTCRayHit> timed = raysAt(random, ball, 2000);
+  for (RTCRayHit& r : timed) r.ray.time = float(random.uniform());
+  ASSERT_NO_FATAL_FAILURE(expectEqual(timed, 1000, [&](RTCScene scene, RTCCompression compression) {
+    attach(scene, newGrids(device, ball, compression, 0, 3));
+  }));
+  for (QuadOrder order : {QuadOrder::Rows, QuadOrder::Shuffled}) {
+    const DicedMesh mesh = meshOf(ball, order, random);
+    ASSERT_NO_FATAL_FAILURE(expectEqual(timed, 1000, [&](RTCScene scene, RTCCompression compression) {
+      attach(scene, newMesh(device, mesh, compression, 0, 3));
+    }));
+  }
+}
+
 // Mesh blocks become mesh tiles, also next to tiles of quads. Rays at vertices and edges on a lattice hit several
 // triangles at the same distance.
 TEST_P(TileSurfaces, IrregularMeshes) {
@@ -273,6 +348,7 @@ void expectEqualBytes(RTCScene a, RTCScene b) {
   EXPECT_EQ(x.nodeBytes, y.nodeBytes);
   EXPECT_EQ(x.leafBytes, y.leafBytes);
   EXPECT_EQ(x.numRawBlocks, y.numRawBlocks);
+  EXPECT_EQ(x.motionBytes, y.motionBytes);
 }
 
 // Files contain blocks: as many bytes as those of cVERT, and the same hits. Devices that trace tiles make them of
@@ -292,6 +368,13 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
         settings.compression = compression;
         return newSurface(device, cubeCage(), settings);
       },
+      [&](RTCCompression compression) {
+        SurfaceSettings moving = settings;
+        moving.compression = compression;
+        moving.timeSteps = 3;
+        return newSurface(device, cubeCage(), moving);
+      },
+      [&](RTCCompression compression) { return newMesh(device, mesh, compression, 0, 4); },
       [&](RTCCompression compression) { return newGrids(device, ball, compression); },
       [&](RTCCompression compression) { return newMesh(device, mesh, compression); },
       [&](RTCCompression compression) { return newMesh(device, irregular, compression); },

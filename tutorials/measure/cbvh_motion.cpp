@@ -49,10 +49,9 @@ void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsi
     speed[set] = medianSpeedup(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);
 }
 
-void measure(const Options& options, const Model& model) {
-  const PrepareGeometry prepare = prepareCage(model, options.compared.level);
-  const TimedBuild grid(prepare, options.compared, RTC_COMPRESSION_NONE),
-      ours(prepare, options.compared, RTC_COMPRESSION_CVERT);
+/* form: RTC_COMPRESSION_CTILE or RTC_COMPRESSION_CVERT. */
+void measure(const Options& options, const Model& model, const TimedBuild& grid, RTCCompression form) {
+  const TimedBuild ours(prepareCage(model, options.compared.level), options.compared, form);
   const double quads = double(model.layout(options.compared.level).numQuads());
   const PictureRays rays(model, grid.handle(), options.compared.size, true);
   const std::vector<RTCRayHit>& timed = rays.primary;
@@ -82,13 +81,15 @@ void measure(const Options& options, const Model& model) {
     errors.push_back(float(error));
   }
   const RTCCompressionStatistics& s = ours.statistics;
-  std::printf("| %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.3f "
-              "| %.1f |\n",
-              model.name.c_str(), quads * 1e-6, double(grid.bytes) / quads, double(ours.bytes) / quads,
-              double(s.motionBytes) / quads / double(model.poses.size()), double(ours.peak) / double(ours.bytes),
-              median(grid.seconds), median(ours.seconds), median(ours.seconds) / median(grid.seconds), speed[0],
-              speed[1], speed[2], speed[3], std::sqrt(squares / double(std::max<size_t>(1, errors.size()))),
-              quantile(errors, 0.99), 1e4 * double(lost + far) / double(both));
+  std::printf(
+      "| %s | %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.3f "
+      "| %.1f |\n",
+      model.name.c_str(), form == RTC_COMPRESSION_CTILE ? "cTILE" : "cVERT", quads * 1e-6, double(grid.bytes) / quads,
+      double(ours.bytes) / quads, double(s.motionBytes) / quads / double(model.poses.size()),
+      double(ours.peak) / double(ours.bytes), median(grid.seconds), median(ours.seconds),
+      median(ours.seconds) / median(grid.seconds), speed[0], speed[1], speed[2], speed[3],
+      std::sqrt(squares / double(std::max<size_t>(1, errors.size()))), quantile(errors, 0.99),
+      1e4 * double(lost + far) / double(both));
   std::printf("  (top level %.2f, frames %.2f, nodes %.2f, leaves %.2f; %zu of %zu blocks are raw)\n",
               double(s.topLevelBytes) / quads, double(s.headerBytes) / quads, double(s.nodeBytes) / quads,
               double(s.leafBytes) / quads, s.numRawBlocks, s.numBlocks);
@@ -139,10 +140,11 @@ void measureStatic(const Options& options, Model model) {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("Compares compressed moving surfaces with GRID's motion blur. Prints bytes per quad, seconds of "
-               "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
-               "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 hits.",
-               "cbvh_motion");
+  CLI::App app(
+      "Compares compressed moving surfaces in both forms with GRID's motion blur. Prints bytes per quad, seconds of "
+      "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
+      "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 hits.",
+      "cbvh_motion");
   options.compared.addOptions(app);
   app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")
       ->type_name("LIST")
@@ -160,9 +162,10 @@ int run(int argc, char** argv) {
   if (options.staticSurface)
     std::printf("| static surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
   else
-    std::printf("| scene | million quads | GRID, bytes | cVERT | per further step | peak | GRID, s | cVERT | ratio | "
-                "rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
-                "|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    std::printf(
+        "| scene | form | million quads | GRID, bytes | ours | per further step | peak | GRID, s | ours | ratio | "
+        "rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
+        "|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   options.compared.forEach([&](Model& model) {
     if (options.staticSurface) return measureStatic(options, model);
     const std::string name = model.name;
@@ -173,7 +176,8 @@ int run(int argc, char** argv) {
       settings.degrees = options.degrees;
       addMotion(model, settings);
       model.name = name + ", " + motion;
-      measure(options, model);
+      const TimedBuild grid(prepareCage(model, options.compared.level), options.compared, RTC_COMPRESSION_NONE);
+      for (RTCCompression form : {RTC_COMPRESSION_CTILE, RTC_COMPRESSION_CVERT}) measure(options, model, grid, form);
     }
   });
   return 0;

@@ -10,6 +10,7 @@
 #include "flat_scene.h"
 #include "../blocks/surface_blocks.h"
 #include "../../cvert/conversion/mesh_tile_conversion.h"
+#include "../../cvert/conversion/tile_conversion.h"
 #include <limits>
 #include <memory>
 #include <unordered_map>
@@ -28,7 +29,7 @@ struct OwnedScene : public FlatScene {
   std::vector<FlatGridLeaf> ownGridLeaves;
   std::vector<FlatGeometry> ownGeometries;
   std::vector<std::unique_ptr<float[]>> ownTransforms;
-  std::vector<std::unique_ptr<BlockPiece[]>> blocksOfMeshTiles;
+  std::vector<std::unique_ptr<BlockPiece[]>> blocksOfTiles;
 };
 
 void copyVector(const Vec3fa& from, float* to) {
@@ -144,6 +145,8 @@ private:
     memcpy(&surface, data + row.surface, sizeof(surface));
     if (blockType == TILE_BLOCK && isMeshTile(data))
       addBlockOfMeshTile((const MeshTileHeader*)data, childType, ids[surface]);
+    else if (blockType == TILE_BLOCK && reference)
+      addBlockOfMovingTile((const VertHeader*)data, childType, ids[surface]);
     else out.ownBlocks.push_back(FlatBlock{data, data, row.bytes(data), childType, ids[surface]});
     const uint32_t added = makeReference(childType, checkedIndex(out.ownBlocks.size() - 1));
     if (reference) *reference = added;
@@ -153,11 +156,24 @@ private:
   /*! Back ends decode mesh blocks. */
   void addBlockOfMeshTile(const MeshTileHeader* tile, uint32_t type, uint32_t geomID) {
     alignas(blockAlignment) uint8_t block[MeshEncoder::maxBytes];
-    const size_t bytes = meshOfTile(tile, encoder, block);
+    addOwned(block, meshOfTile(tile, encoder, block), tile, type, geomID);
+  }
+
+  /*! Back ends decode moving blocks. */
+  void addBlockOfMovingTile(const VertHeader* tile, uint32_t type, uint32_t geomID) {
+    if (!motionEncoder) motionEncoder.reset(new MotionEncoder);
+    std::vector<uint32_t> block(maxBytesOfMovingForms(motionOf(tile).numSteps) / sizeof(uint32_t) + 1);
+    MotionStatistics unused;
+    const size_t bytes = movingBlockOfTile(tile, *motionEncoder, (uint8_t*)block.data(), unused);
+    addOwned(block.data(), bytes, tile, type, geomID);
+  }
+
+  /*! Adds a copy of the block of a tile. */
+  void addOwned(const void* block, size_t bytes, const void* tile, uint32_t type, uint32_t geomID) {
     const size_t pieces = (bytes + vertReadPadding + sizeof(BlockPiece) - 1) / sizeof(BlockPiece);
-    out.blocksOfMeshTiles.emplace_back(new BlockPiece[pieces]());
-    memcpy(out.blocksOfMeshTiles.back().get(), block, bytes);
-    out.ownBlocks.push_back(FlatBlock{out.blocksOfMeshTiles.back().get(), tile, uint32_t(bytes), type, geomID});
+    out.blocksOfTiles.emplace_back(new BlockPiece[pieces]());
+    memcpy(out.blocksOfTiles.back().get(), block, bytes);
+    out.ownBlocks.push_back(FlatBlock{out.blocksOfTiles.back().get(), tile, uint32_t(bytes), type, geomID});
   }
 
   static uint32_t checkedIndex(size_t i) {
@@ -171,6 +187,7 @@ private:
   OwnedScene& out;
   const SurfaceIDs& ids;
   MeshEncoder encoder;
+  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving tile
   uint32_t depth = 0;
   /*! References to copied moving blocks: a tree contains a block once per time interval. */
   std::unordered_map<const void*, uint32_t> movingBlocks;
@@ -286,7 +303,7 @@ std::unique_ptr<OwnedScene> flatten(Scene* scene) {
     (isMovingTree(bvh->root) ? flat->movingTree : flat->staticTree) = TreeCopy(*flat, scene->surfaceIDs).copy(bvh);
   }
 
-  flat->hasOwnBlocks = !flat->blocksOfMeshTiles.empty();
+  flat->hasOwnBlocks = !flat->blocksOfTiles.empty();
   flat->nodes = flat->ownNodes.data();
   flat->numNodes = flat->ownNodes.size();
   flat->movingNodes = flat->ownMovingNodes.data();

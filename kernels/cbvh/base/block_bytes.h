@@ -18,13 +18,14 @@ struct BlockBytes {
 
   /*! block: a cVERT block or a tile. size: in bytes, without padding. */
   BlockBytes(const VertHeader* block, size_t size) {
-    const VertLayout layout = vertLayout(block->region, block->info);
-    const bool isTile = cbvh::isTile(block->info);
-    const size_t headerEnd = isTile ? tileBoxesOffset(block->info) : layout.margins;
-    const size_t nodesEnd = isTile               ? tileVerticesOffset(block->region, block->info)
-                            : isRaw(block->info) ? layout.margins
-                                                 : layout.cell;
-    set(headerEnd, nodesEnd, size);
+    if (isTile(block->info)) {
+      const VertHeader* const first = tileOfStep(block, 0);
+      const size_t begin = size_t((const uint8_t*)first - (const uint8_t*)block);
+      set(begin + tileBoxesOffset(first->info), begin + tileVerticesOffset(first->region, first->info), size);
+    } else {
+      const VertLayout layout = vertLayout(block->region, block->info);
+      set(layout.margins, isRaw(block->info) ? layout.margins : layout.cell, size);
+    }
   }
 
   /*! The same for a mesh block at its first time step, and for a mesh tile. */

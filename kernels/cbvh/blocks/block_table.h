@@ -70,12 +70,15 @@ inline BlockRow rowOf(BlockType type) {
         [](const void* tile) {
           return isMeshTile(tile) ? ((const MeshTileHeader*)tile)->bytes : tileBytes((const VertHeader*)tile);
         },
-        [](const void*) { return false; }, [](const void*) { return VertMotion(); },
+        [](const void* tile) { return !isMeshTile(tile) && isMoving(((const VertHeader*)tile)->info); },
+        [](const void* tile) { return motionOf((const VertHeader*)tile); },
         [](const void* tile) {
           return !isMeshTile(tile) && tileVertexBytes((const VertHeader*)tile) == tileFloatBytes;
         },
-        [](const void* tile) { // back ends decode mesh blocks, see flat_scene.cpp
-          return isMeshTile(tile) ? meshBlockReferenceType : blockReferenceType(kindTile);
+        [](const void* tile) { // back ends decode moving blocks and mesh blocks, see flat_scene.cpp
+          return isMeshTile(tile)                            ? meshBlockReferenceType
+                 : isMoving(((const VertHeader*)tile)->info) ? movingBlockReferenceType
+                                                             : blockReferenceType(kindTile);
         });
   case MESH_BLOCK:
     return BlockRow(

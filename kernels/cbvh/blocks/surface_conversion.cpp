@@ -65,6 +65,8 @@ private:
   bool addConverted(const VertHeader* block, BlockType type) {
     if (form == TILE_BLOCK ? type == TILE_BLOCK || !isBlockValid(block, type) : type != TILE_BLOCK) return false;
     if (form != TILE_BLOCK && isMeshTile(block)) return addMesh((const MeshTileHeader*)block);
+    const bool moves = rowOf(type).moves(block);
+    if (moves) return type != MESH_BLOCK && addMoving(block);
     if (form != TILE_BLOCK) {
       const size_t size = blockOfTile(block, blockEncoder, store.reserve(maxBlockBytesOfTile));
       return add(block, tileBytes(block), size);
@@ -74,6 +76,20 @@ private:
     uint8_t* const bytes = store.reserve(maxTileBytesOfBlock);
     const size_t size = tileOfBlock(block, DecodedBlock(block).vertices, vertices, tileEncoder, bytes);
     return size != 0 && add(block, vertBytes(block), size);
+  }
+
+  bool addMoving(const VertHeader* block) {
+    uint8_t* const bytes = store.reserve(maxBytesOfMovingForms(motionOf(block).numSteps));
+    MotionStatistics unused;
+    size_t size;
+    if (form == TILE_BLOCK) {
+      if (!movingTileEncoder) movingTileEncoder.reset(new MovingTileEncoder);
+      size = movingTileOfBlock(block, *movingTileEncoder, bytes, unused);
+    } else {
+      if (!motionEncoder) motionEncoder.reset(new MotionEncoder);
+      size = movingBlockOfTile(block, *motionEncoder, bytes, unused);
+    }
+    return size != 0 && add(block, rowOf(isTile(block->info) ? TILE_BLOCK : VERT_BLOCK).bytes(block), size);
   }
 
   bool addMeshTile(const MeshHeader* block) {
@@ -100,12 +116,11 @@ private:
     const VertHeader* const to = (const VertHeader*)store.reserve(size);
     BlockBytes(from, fromSize).removeFrom(changes);
     BlockBytes(to, size).addTo(changes);
-    changes.numRawBlocks += size_t(isRawBlock(to)) - size_t(isRawBlock(from));
+    changes.numRawBlocks += size_t(isAnyStepRaw(to)) - size_t(isAnyStepRaw(from));
+    changes.motionBytes += size_t(laterStepBytes(to)) - size_t(laterStepBytes(from));
     store.commit(size, BBox3fa(empty), form, vertReadPadding);
     return true;
   }
-
-  static bool isRawBlock(const VertHeader* block) { return !isTile(block->info) && isRaw(block->info); }
 
   const BlockType form;
   const bool copiesOthers;
@@ -114,6 +129,8 @@ private:
   TileEncoder tileEncoder;
   VertEncoder blockEncoder;
   MeshEncoder meshEncoder;
+  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving block, as the next
+  std::unique_ptr<MovingTileEncoder> movingTileEncoder;
   std::vector<size_t*> stored;
 };
 
@@ -156,12 +173,14 @@ void convertLeaves(Device* device, SurfaceBlocks& to, BlockType form, std::vecto
     sums.nodeBytes += converter->changes.nodeBytes;
     sums.leafBytes += converter->changes.leafBytes;
     sums.numRawBlocks += converter->changes.numRawBlocks;
+    sums.motionBytes += converter->changes.motionBytes;
   });
 }
 } // namespace
 
 /*! References to a surface's blocks. */
 static std::vector<size_t> leavesOf(const SurfaceBlocks& surface) {
+  if (!surface.moving.empty()) return std::vector<size_t>(surface.moving.begin(), surface.moving.end());
   std::vector<size_t> leaves;
   if (surface.root != BVH4::emptyNode) collect(surface.root, leaves);
   else
@@ -169,9 +188,7 @@ static std::vector<size_t> leavesOf(const SurfaceBlocks& surface) {
   return leaves;
 }
 
-bool isConvertible(const SurfaceBlocks& surface) {
-  return surface.moving.empty() && surface.types != 0 && !(surface.types & ~exactTypes);
-}
+bool isConvertible(const SurfaceBlocks& surface) { return surface.types != 0 && !(surface.types & ~exactTypes); }
 
 std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
                                                     BlockType form, const std::function<void()>& progress) {
@@ -194,6 +211,10 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
     const BVH4::NodeRef root = tree.copy(from->root);
     to->root = isa::moveLargestNodes(root, tree.numNodes, *to->memory.pool());
     isa::TreeCutter(to->parts).cut(to->root, to->bounds);
+  } else if (!from->moving.empty()) {
+    resizeToFit(to->moving, leaves.size());
+    std::copy(leaves.begin(), leaves.end(), to->moving.begin());
+    to->boxes = std::atomic_load(&from->boxes);
   } else {
     resizeToFit(to->parts, leaves.size());
     for (size_t i = 0; i < leaves.size(); i++) to->parts[i] = PrimRef(from->parts[i].bounds(), leaves[i]);

@@ -10,7 +10,7 @@
 #include <functional>
 
 namespace embree::cbvh {
-/*! True if a surface is exact, at rest, and has blocks of which there are two forms. */
+/*! True if a surface is exact and has blocks of which there are two forms. */
 bool isConvertible(const SurfaceBlocks& surface);
 
 /*! Converts a surface for which isConvertible() holds, in parallel. Blocks that tiles do not support stay as they are:

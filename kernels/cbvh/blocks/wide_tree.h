@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tree of nodes with 16 children above static blocks of the exact kinds, for single rays: a copy of the scene's BVH4
- * with fewer, wider nodes. Of all ways to join nodes, it has the one with the least sum of surface areas, thus the
+/* Tree of nodes with 16 children above blocks of the exact kinds, for single rays: a copy of the scene's BVH4 with
+ * fewer, wider nodes. Of all ways to join nodes, it has the one with the least sum of surface areas, thus the
  * least expected number of nodes per ray (Ylitie, Karras, Laine: Efficient Incoherent Ray Traversal on GPUs Through
  * Compressed Wide BVHs, 2017, section 3.1). */
 
@@ -12,21 +12,47 @@
 #include <vector>
 
 namespace embree {
-/*! Joins the nodes of a BVH4 whose leaves are blocks. */
+/*! Nodes of trees over surfaces at rest. */
+struct StaticWideTree {
+  typedef WideNode Wide;
+  typedef BVH4::AABBNode Node; //!< of the BVH4
+  static bool isNode(BVH4::NodeRef ref) { return ref.isAABBNode(); }
+  static Node* nodeOf(BVH4::NodeRef ref) { return ref.getAABBNode(); }
+  static BBox3fa boundsOf(const Node* node, size_t c) { return node->bounds(c); }
+};
+
+/*! Of trees over moving surfaces, unless nodes split time. Costs are those of the mean of both ends. */
+struct MovingWideTree {
+  typedef WideMovingNode Wide;
+  typedef BVH4::AABBNodeMB Node;
+  static bool isNode(BVH4::NodeRef ref) { return ref.isAABBNodeMB(); }
+  static Node* nodeOf(BVH4::NodeRef ref) { return ref.getAABBNodeMB(); }
+  static BBox3fa boundsOf(const Node* node, size_t c) {
+    const BBox3fa begin = node->bounds0(c), end = node->bounds1(c);
+    return BBox3fa(0.5f * begin.lower + 0.5f * end.lower, 0.5f * begin.upper + 0.5f * end.upper);
+  }
+};
+
+/*! Joins the nodes of a BVH4 whose leaves are blocks. Tree: StaticWideTree or MovingWideTree. */
+template<typename Tree>
 class WideTreeBuilder {
+  typedef typename Tree::Wide Wide;
+
 public:
-  /*! nodes: receives the tree's nodes, the root first; none if the BVH4 is a single leaf. Throws std::bad_alloc. */
-  WideTreeBuilder(BVH4::NodeRef root, const BBox3fa& bounds, mvector<WideNode>& nodes) : nodes(nodes) {
+  /*! nodes: receives the tree's nodes, the root first; none if the BVH4 is a single leaf, or has other inner nodes.
+   *  Throws std::bad_alloc. */
+  WideTreeBuilder(BVH4::NodeRef root, const BBox3fa& bounds, mvector<Wide>& nodes) : nodes(nodes) {
     nodes.clear();
     if (!isInner(root)) return;
     visit(root, bounds);
+    if (hasOtherNodes) return;
     nodes.resize(countNodes(0));
     next = 0;
     write(0);
   }
 
 private:
-  static bool isInner(BVH4::NodeRef ref) { return ref != BVH4::emptyNode && ref.isAABBNode(); }
+  static bool isInner(BVH4::NodeRef ref) { return ref != BVH4::emptyNode && Tree::isNode(ref); }
 
   /*! Least cost of a subtree's nodes if at most i + 1 children of the wide node above replace it. */
   struct Costs {
@@ -45,7 +71,7 @@ private:
 
   /*! How a node of the BVH4 is joined if at most i + 1 children replace it. */
   struct Joint {
-    BVH4::AABBNode* node;
+    typename Tree::Node* node;
     uint32_t joints[4];             //!< of its inner children
     uint16_t joined;                //!< bit i: it becomes a part of the wide node above
     uint8_t share[4][wideChildren]; //!< number of children for child c and those before it: share of c
@@ -55,12 +81,13 @@ private:
   Costs visit(BVH4::NodeRef ref, const BBox3fa& bounds) {
     Costs costs;
     if (!isInner(ref)) {
+      hasOtherNodes |= !ref.isLeaf();
       for (double& cost : costs.at) cost = 0.0;
       return costs;
     }
     const size_t index = joints.size();
     joints.emplace_back();
-    BVH4::AABBNode* const node = ref.getAABBNode();
+    typename Tree::Node* const node = Tree::nodeOf(ref);
     Joint joint;
     joint.node = node;
     joint.joined = 0;
@@ -69,7 +96,7 @@ private:
     for (size_t c = 0; c < 4; c++) {
       if (node->child(c) == BVH4::emptyNode) continue;
       joint.joints[c] = uint32_t(joints.size());
-      const Costs child = visit(node->child(c), node->bounds(c));
+      const Costs child = visit(node->child(c), Tree::boundsOf(node, c));
       for (size_t i = wideChildren; i-- > 0;) {
         double best = pos_inf;
         uint8_t share = 0;
@@ -100,7 +127,7 @@ private:
     return costs;
   }
 
-  /*! Calls f(child, joint, bounds, share) for the children of a node of the BVH4 that `children` children replace. */
+  /*! Calls f(c, joint, share) for the children of a node of the BVH4 that `children` children replace. */
   template<typename Function>
   void forEachChild(uint32_t index, size_t children, const Function& f) const {
     const Joint& joint = joints[index];
@@ -108,39 +135,42 @@ private:
       const BVH4::NodeRef child = joint.node->child(c);
       if (child == BVH4::emptyNode) continue;
       const size_t share = joint.share[c][children - 1];
-      f(child, joint.joints[c], joint.node->bounds(c), share);
+      f(c, joint.joints[c], share);
       children -= share;
     }
   }
 
-  /*! Calls f(child, joint, bounds) for the children of the wide node that a node of the BVH4 becomes. */
+  /*! Calls f(node, c, joint) for the children of the wide node that a node of the BVH4 becomes: child c of a node. */
   template<typename Function>
   void forEachWideChild(uint32_t index, const Function& f, size_t children = wideChildren) const {
-    forEachChild(index, children, [&](BVH4::NodeRef child, uint32_t joint, const BBox3fa& bounds, size_t share) {
-      if (isInner(child) && joints[joint].isJoined(share)) forEachWideChild(joint, f, share);
-      else f(child, joint, bounds);
+    const typename Tree::Node& node = *joints[index].node;
+    forEachChild(index, children, [&](size_t c, uint32_t joint, size_t share) {
+      if (isInner(node.child(c)) && joints[joint].isJoined(share)) forEachWideChild(joint, f, share);
+      else f(node, c, joint);
     });
   }
 
   size_t countNodes(uint32_t index) const {
     size_t sum = 1;
-    forEachWideChild(index, [&](BVH4::NodeRef child, uint32_t joint, const BBox3fa&) {
-      if (isInner(child)) sum += countNodes(joint);
+    forEachWideChild(index, [&](const typename Tree::Node& node, size_t c, uint32_t joint) {
+      if (isInner(node.child(c))) sum += countNodes(joint);
     });
     return sum;
   }
 
-  WideNode* write(uint32_t index) {
-    WideNode* const node = &nodes[next++];
+  Wide* write(uint32_t index) {
+    Wide* const wide = &nodes[next++];
     size_t n = 0;
-    forEachWideChild(index, [&](BVH4::NodeRef child, uint32_t joint, const BBox3fa& bounds) {
-      node->set(n++, isInner(child) ? size_t(write(joint)) : size_t(child), bounds);
+    forEachWideChild(index, [&](const typename Tree::Node& node, size_t c, uint32_t joint) {
+      const BVH4::NodeRef child = node.child(c);
+      wide->set(n++, isInner(child) ? size_t(write(joint)) : size_t(child), node, c);
     });
-    return node;
+    return wide;
   }
 
-  mvector<WideNode>& nodes;
+  mvector<Wide>& nodes;
   std::vector<Joint> joints; //!< of inner nodes, parents first
   size_t next = 0;
+  bool hasOtherNodes = false;
 };
 } // namespace embree

@@ -99,7 +99,8 @@ public:
     buildIDsInTree.clear();
     treeBytes.set(0);
     bvh->set(BVH4::emptyNode, empty, 0);
-    wideNodes().clear();
+    tree().wide.clear();
+    tree().wideMoving.clear();
   }
 
   void build() {
@@ -124,7 +125,7 @@ public:
     }
     total.sums.topLevelBytes += treeBytes.get();
     report->statistics = total.sums;
-    ((CompressedTree*)bvh)->maxVertexDeviation = total.sums.maxVertexDeviation;
+    tree().maxVertexDeviation = total.sums.maxVertexDeviation;
     report->statistics.cacheBytesPerThread = cbvh::threadCacheBytes(cachesOf(surfaces));
     cbvh::updateSurfaceIDs(scene);
     reportCommit(surfaces);
@@ -261,10 +262,11 @@ private:
 
   /*! Estimates the bytes of nodes that a scene adds to those of its surfaces, if it has tiles. */
   static size_t expectedTreeBytes(const std::vector<Surface>& surfaces) {
-    const size_t bytesPerBlock = 96; // wide nodes: measured 60 to 87 (docs/measurements.md)
+    const size_t bytesPerBlock = 96; // wide nodes at rest: measured 60 to 87 (docs/measurements.md)
     size_t bytes = 0;
     for (const Surface& surface : surfaces)
-      bytes += surface.blocks->numPrimRefs * bytesPerBlock + surface.blocks->parts.size() * sizeof(BVH4::AABBNode) / 2;
+      bytes += surface.blocks->numPrimRefs * bytesPerBlock * (surface.plan.moves() ? 3 : 1) +
+               surface.blocks->parts.size() * sizeof(BVH4::AABBNode) / 2;
     return bytes;
   }
 
@@ -275,7 +277,8 @@ private:
 
   void buildTree(const std::vector<Surface>& surfaces) {
     listBlocks(surfaces);
-    treeBytes.set(moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode) + buildWideTree());
+    const size_t bytes = moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode);
+    treeBytes.set(bytes + buildWideTree(surfaces));
     buildIDsInTree = buildIDsOf(surfaces);
   }
 
@@ -305,16 +308,23 @@ private:
     return nodes;
   }
 
-  mvector<WideNode>& wideNodes() const { return ((CompressedTree*)bvh)->wide; }
+  CompressedTree& tree() const { return *(CompressedTree*)bvh; }
 
-  /*! Builds the tree of wide nodes if there are tiles, which are stored for speed, and no blocks that need the BVH4.
-   *  Returns the bytes of its nodes. */
-  size_t buildWideTree() {
+  /*! Builds the tree of wide nodes if a surface is stored for speed, as tiles, and no blocks need the BVH4. Moving mesh
+   *  blocks have no tiles. Returns the bytes of its nodes. */
+  size_t buildWideTree(const std::vector<Surface>& surfaces) {
     const uint32_t tile = 1u << cbvh::TILE_BLOCK, wide = tile | 1u << cbvh::VERT_BLOCK | 1u << cbvh::MESH_BLOCK;
     uint32_t types = 0;
-    for (const auto& surface : report->surfaces) types |= surface->types;
-    if ((types & tile) && !(types & ~wide)) WideTreeBuilder(bvh->root, bvh->bounds.bounds(), wideNodes());
-    return wideNodes().size() * sizeof(WideNode);
+    bool isForSpeed = false;
+    for (const Surface& surface : surfaces) {
+      types |= surface.blocks->types;
+      isForSpeed |= (surface.blocks->types & tile) || (moves && surface.plan.makesTiles());
+    }
+    if (!isForSpeed || (types & ~wide)) return 0;
+    const BBox3fa bounds = bvh->bounds.bounds();
+    if (moves) WideTreeBuilder<MovingWideTree>(bvh->root, bounds, tree().wideMoving);
+    else WideTreeBuilder<StaticWideTree>(bvh->root, bounds, tree().wide);
+    return tree().wide.size() * sizeof(WideNode) + tree().wideMoving.size() * sizeof(WideMovingNode);
   }
 
   /*! Builds the tree over the blocks of moving surfaces, and releases their boxes, which only the first build uses.
@@ -326,13 +336,13 @@ private:
     blocks.reserve(numBlocks);
     for (const auto& surface : report->surfaces) blocks.add(*surface, [&] { scene->progressMonitor(0.0); });
     bvh->alloc.init_estimate(blocks.size() * sizeof(BVH4::AABBNodeMB) / 2);
-    MotionTree tree;
+    MotionTree motionTree;
     const BVH4::NodeRef root =
-        tree.build(scene->device, bvh->alloc, blocks.all(), [&] { scene->progressMonitor(0.0); });
-    bvh->set(root, tree.bounds, blocks.size());
+        motionTree.build(scene->device, bvh->alloc, blocks.all(), [&] { scene->progressMonitor(0.0); });
+    bvh->set(root, motionTree.bounds, blocks.size());
     for (const auto& surface : report->surfaces)
       std::atomic_store(&surface->boxes, std::shared_ptr<const mvector<cbvh::StepBox>>());
-    return tree.bytes;
+    return motionTree.bytes;
   }
 
   /*! True if the builder of the scene's other surfaces, moving or static, also prints a line. */

@@ -109,8 +109,11 @@ private:
         decodeMesh((const cbvh::MeshHeader*)block, segments, boxes);
         origin = ((const cbvh::MeshHeader*)block)->origin;
         break;
-      case cbvh::FRAMED_BLOCK:
-      case cbvh::TILE_BLOCK: throw_RTCError(RTC_ERROR_UNKNOWN, "a block with a frame, or a tile, moves");
+      case cbvh::TILE_BLOCK:
+        for (unsigned s = 0; s <= segments; s++) boxes[s] = boundStep((const cbvh::VertHeader*)block, s);
+        origin = ((const cbvh::VertHeader*)block)->origin;
+        break;
+      case cbvh::FRAMED_BLOCK: throw_RTCError(RTC_ERROR_UNKNOWN, "a block with a frame moves");
       }
       // MotionTree requires a box
       if (std::all_of(boxes, boxes + segments + 1, [](const cbvh::StepBox& box) { return box.isEmpty(); }))
@@ -180,8 +183,8 @@ private:
       }
     };
 
-    /*! For segments with a raw end: traversal's decoder omits groups without a finite vertex at one of the ends,
-     *  but the box of the other end is also used in another segment. */
+    /*! For tiles, and for segments with a raw end: traversal's decoder omits groups without a finite vertex at one of
+     * the ends, but the box of the other end is also used in another segment. */
     static cbvh::StepBox boundStep(const cbvh::VertHeader* block, unsigned step) {
       cbvh::StepBox box;
       cbvh::DecodedBlock(block, step).bounds(box.lower, box.upper);

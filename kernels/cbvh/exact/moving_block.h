@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* CachedVertBlock and CachedMeshBlock for moving blocks, at a time between two steps. Interpolates between the ends of
- * a segment, the time between two steps, which are decoded into the thread's cache if necessary.
+/* CachedVertBlock, CachedMeshBlock and TileBlock for moving blocks and tiles, at a time between two steps. Interpolates
+ * between the ends of a segment, the time between two steps; those of blocks are decoded into the thread's cache if
+ * necessary.
  *
  * Vertices and planes are interpolated by the same operations, which round monotonically: an unsheared plane that
  * bounds a vertex at both ends also bounds it in between. Shared vertices stay equal, so surfaces stay watertight. */
@@ -12,6 +13,7 @@
 #include "cached_mesh.h"
 #include "mesh_motion_decoder.h"
 #include "motion_decoder.h"
+#include "tile_block.h"
 
 namespace embree::isa::cbvh {
 /*! fraction: 0 at the beginning of the segment, 1 at its end. */
@@ -197,5 +199,70 @@ private:
   }
 
   mutable MeshTriangles trianglesAtTime; //!< the key is 16 half + group, or ~0
+};
+
+class MovingTileBlock {
+public:
+  __forceinline MovingTileBlock(const VertHeader* tile, const TimeInMotion& at)
+    : tile(tile),
+      begin(tileOfStep(tile, at.segment)),
+      end(tileOfStep(tile, at.segment + 1)),
+      interpolator(at.fraction) {}
+
+  /*! As TileBlock::vertices. */
+  __forceinline void vertices(const uint32_t leaves[tileLeavesAtOnce], const int axes[3], LeafVectors out[3]) const {
+    LeafVectors atEnd[3];
+    begin.vertices(leaves, axes, out);
+    end.vertices(leaves, axes, atEnd);
+    for (int i = 0; i < 3; i++)
+      for (int n = 0; n < LeafLayout::vectors; n++) out[i].at[n] = interpolator(out[i].at[n], atEnd[i].at[n]);
+  }
+
+  __forceinline uint32_t flip(uint32_t octant) const { return begin.flip(octant); }
+
+  const VertHeader* const tile;
+
+private:
+  const TileBlock begin, end;
+  const Interpolator interpolator;
+};
+
+/*! Boxes of a moving tile's leaves at a time between two steps: on axis k, planes are
+ *
+ *    origin[k] + byte of begin * units[0][k] + byte of end * units[1][k],
+ *
+ *  moved outwards by slack[k] because vertices, planes and origins are rounded. The fourth lanes are 0. */
+struct MovingLeafPlanes {
+  vfloat4 origin, units[2], slack;
+  const uint8_t* boxes[2]; //!< of begin and end
+
+  __forceinline MovingLeafPlanes(const VertHeader* tile, const TimeInMotion& at) {
+    const float weights[2] = {1.0f - at.fraction, at.fraction};
+    vfloat4 origins[2], largestSpacing(0.0f);
+    for (uint32_t e = 0; e < 2; e++) {
+      const VertHeader* const step = tileOfStep(tile, at.segment + e);
+      const vfloat4 spacing = withoutFourth(spacingsOfTile(step)) * vfloat4(float(tileScale(step)));
+      origins[e] = withoutFourth(vfloat4::loadu(step->origin));
+      units[e] =
+          vfloat4(vint4(extend8(loadFour((const uint8_t*)step + tileBoxStepOffset)))) * spacing * vfloat4(weights[e]);
+      largestSpacing = max(largestSpacing, spacing);
+      boxes[e] = (const uint8_t*)step + tileBoxesOffset(step->info);
+    }
+    origin = madd(vfloat4(weights[0]), origins[0], vfloat4(weights[1]) * origins[1]);
+    // planes are at most 255 steps of at most 255 spacings from the origin
+    extent = vfloat4(float((maxBoxByte + 1) * maxBoxByte)) *
+             max(max(largestSpacing, shuffle<1, 2, 0, 1>(largestSpacing)), shuffle<2, 0, 1, 2>(largestSpacing));
+    slack =
+        (max(abs(origins[0]), abs(origins[1])) + vfloat4(2.0f) * extent) * vfloat4(1.0f / 1048576.0f); // motionSlack
+  }
+
+  /*! The slack for distances of planes from a point. offset: of the point from the origin. A plane has a second product
+   *  and sum, worth 2 more per distance than in tiles at rest. */
+  __forceinline vfloat4 slackOf(const vfloat4& offset) const {
+    return madd(vfloat4((tileSlackUlps + 4.0f) * floatUlp), abs(offset) + extent, slack);
+  }
+
+private:
+  vfloat4 extent; //!< bound of the distance from the origin to planes, on any axis
 };
 } // namespace embree::isa::cbvh

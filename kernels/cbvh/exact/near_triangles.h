@@ -8,7 +8,7 @@
 
 #include "../base/intrinsics.h"
 #include "../base/vectors.h"
-#include "boxes.h"
+#include "moving_block.h"
 
 namespace embree::isa::cbvh {
 /*! Vectors from a point. */
@@ -132,6 +132,32 @@ public:
         const vfloatV below = madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k))), units, -at),
                       above = nmadd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + 1))), units, at);
         const vfloatV d = max(max(below, above) - vfloatV(slack), vfloatV(0.0f));
+        sum = madd(d, d, sum);
+      }
+      store(j, sum);
+    }
+  }
+
+  /*! Boxes of leaves of a moving tile. planes: at the time. */
+  __forceinline BoxDistances(const float p[3], const VertHeader* tile, const MovingLeafPlanes& planes)
+    : lanes(tileLeaves(tile->region)) {
+    const int vectors = int(tileParts(tile->region) * leavesPerPart) / vectorWidth;
+    alignas(16) float offset[4], slack[4], units[2][4];
+    const vfloat4 distance = planes.origin - vfloat4(p[0], p[1], p[2], 0.0f);
+    vfloat4::store(offset, distance);
+    vfloat4::store(slack, planes.slackOf(distance));
+    for (int e = 0; e < 2; e++) vfloat4::store(units[e], planes.units[e]);
+    for (int j = 0; j < vectors; j++) {
+      const uint32_t part =
+          tilePartBytes * (uint32_t(j) * vectorWidth / leavesPerPart) + uint32_t(j) * vectorWidth % leavesPerPart;
+      vfloatV sum(0.0f);
+      for (uint32_t k = 0; k < 3; k++) {
+        auto plane = [&](uint32_t side) { // relative to p
+          const uint32_t at = part + leavesPerPart * (2 * k + side);
+          return madd(vfloatV(loadBytes(planes.boxes[0] + at)), vfloatV(units[0][k]),
+                      madd(vfloatV(loadBytes(planes.boxes[1] + at)), vfloatV(units[1][k]), vfloatV(offset[k])));
+        };
+        const vfloatV d = max(max(plane(0), -plane(1)) - vfloatV(slack[k]), vfloatV(0.0f));
         sum = madd(d, d, sum);
       }
       store(j, sum);

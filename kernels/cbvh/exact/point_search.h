@@ -127,8 +127,17 @@ public:
 
   void searchTile(const VertHeader* header) {
     if (isMeshTile(header)) return searchTriangles(header, DecodedMeshTile((const MeshTileHeader*)header));
-    const TileBlock tile(header);
-    BoxDistances leaves(p, header);
+    if (!isMoving(header->info)) return searchTile(TileBlock(header), BoxDistances(p, header));
+    const VertMotion motion = motionOf(header);
+    if (!isPresent(motion, time)) return;
+    const TimeInMotion at = timeInMotion(motion, time);
+    searchTile(MovingTileBlock(header, at), BoxDistances(p, header, MovingLeafPlanes(header, at)));
+  }
+
+private:
+  /*! Tile: TileBlock or MovingTileBlock. */
+  template<typename Tile>
+  void searchTile(const Tile& tile, BoxDistances leaves) {
     uint32_t leaf[2] = {0, 0};
     while (!visitor.isDone() && leaves.popNearest(visitor.squaredRadius(), leaf[0])) {
       const bool areTwo = tileLeavesAtOnce == 2 && leaves.popNearest(visitor.squaredRadius(), leaf[1]);
@@ -137,7 +146,6 @@ public:
     }
   }
 
-private:
   /*! Vertices of one or two leaves. */
   struct StoredLeaves {
     alignas(64) float at[3][LeafLayout::vectors * vectorWidth]; //!< [axis][lane]
@@ -149,7 +157,8 @@ private:
     __forceinline vfloatV at(int j, int c) const { return corners.at[j][c]; }
   };
 
-  void searchLeaves(const TileBlock& tile, const uint32_t leaf[2], bool areTwo) {
+  template<typename Tile>
+  void searchLeaves(const Tile& tile, const uint32_t leaf[2], bool areTwo) {
     const int axes[3] = {0, 1, 2};
     LeafVectors vertices[3];
     tile.vertices(leaf, axes, vertices);

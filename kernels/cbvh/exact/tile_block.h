@@ -131,6 +131,9 @@ public:
     else decode(leaves, axes, out);
   }
 
+  /*! See leafFlip. */
+  __forceinline uint32_t flip(uint32_t octant) const { return leafFlip(tile, octant); }
+
   const VertHeader* const tile;
 
 private:

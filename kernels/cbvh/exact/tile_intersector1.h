@@ -10,11 +10,63 @@
 #include "tile_block.h"
 
 namespace embree::isa::cbvh {
-/*! Boxes of the leaves that a ray may intersect. Leaf (column, row) is bit column + 4 row of masks. */
-class LeafBoxes {
+/*! Leaves whose boxes a ray enters. Leaf (column, row) is bit column + 4 row of masks. */
+class EnteredLeaves {
+public:
+  /*! Mask of leaves that the ray enters before tfar. */
+  __forceinline uint32_t enteredBefore(float tfar) const {
+    vboolV before[maxVectors];
+    for (int j = 0; j < maxVectors; j++) before[j] = j < vectors ? enter[j] <= vfloatV(tfar) : vboolV(false);
+    return movemasks(before);
+  }
+
+  uint32_t mask;
+
+protected:
+  __forceinline explicit EnteredLeaves(uint32_t region)
+    : vectors(int(tileParts(region) * leavesPerPart) / vectorWidth) {}
+
+  /*! distances(offset,axis,isFar): of the ray's entry into, or exit from, the planes at an offset in the boxes.
+   *  isSafe: false if they could be NaN. */
+  template<typename Distances>
+  __forceinline void set(const VertRay& ray, uint32_t region, float tnear, float tfar, bool isSafe,
+                         const Distances& distances) {
+    if (unlikely(!isSafe)) {
+      for (int j = 0; j < vectors; j++) enter[j] = vfloatV(tnear);
+      mask = ~0u >> (32 - vectorWidth * vectors);
+    } else {
+      vboolV hit[maxVectors];
+      for (int j = 0; j < maxVectors; j++) {
+        hit[j] = vboolV(false);
+        if (j >= vectors) continue;
+        const uint32_t part =
+            tilePartBytes * (uint32_t(j) * vectorWidth / leavesPerPart) + uint32_t(j) * vectorWidth % leavesPerPart;
+        vfloatV from(tnear), to(tfar);
+        for (uint32_t k = 0; k < 3; k++) {
+          const uint32_t near = (ray.negativeAxes >> k) & 1u;
+          from = max(from, distances(part + leavesPerPart * (2 * k + near), k, false));
+          to = min(to, distances(part + leavesPerPart * (2 * k + 1 - near), k, true));
+        }
+        enter[j] = from;
+        hit[j] = from <= to;
+      }
+      mask = movemasks(hit);
+    }
+    if (unlikely((region & 255u) != 255u)) mask &= tileLeaves(region);
+  }
+
+private:
+  static const int maxVectors = 2 * int(leavesPerPart) / vectorWidth;
+
+  const int vectors;
+  vfloatV enter[maxVectors];
+};
+
+/*! Of a tile at rest. */
+class LeafBoxes : public EnteredLeaves {
 public:
   __forceinline LeafBoxes(const VertRay& ray, const VertHeader* tile, float tnear, float tfar)
-    : vectors(int(tileParts(tile->region) * leavesPerPart) / vectorWidth) {
+    : EnteredLeaves(tile->region) {
     const uint8_t* const header = (const uint8_t*)tile;
     const vfloat4 spacing = withoutFourth(spacingsOfTile(tile)) * vfloat4(float(tileScale(tile))); // of steps
     const vfloat4 unit = vfloat4(vint4(extend8(loadFour(header + tileBoxStepOffset)))) * spacing;
@@ -29,47 +81,13 @@ public:
     const uint8_t* const planes = header + tileBoxesOffset(tile->info);
     // products that overflow could be NaN
     const bool isSafe = all(vfloat4(float(maxBoxByte + 1)) * abs(scale) + abs(offset) + slack < vfloat4(1e37f));
-    if (unlikely(!isSafe)) {
-      for (int j = 0; j < vectors; j++) enter[j] = vfloatV(tnear);
-      mask = ~0u >> (32 - vectorWidth * vectors);
-    } else {
-      const vfloatV scales[3] = {broadcast<0>(scale), broadcast<1>(scale), broadcast<2>(scale)};
-      const vfloatV nears[3] = {broadcast<0>(nearOffset), broadcast<1>(nearOffset), broadcast<2>(nearOffset)};
-      const vfloatV fars[3] = {broadcast<0>(farOffset), broadcast<1>(farOffset), broadcast<2>(farOffset)};
-      vboolV hit[maxVectors];
-      for (int j = 0; j < maxVectors; j++) {
-        hit[j] = vboolV(false);
-        if (j >= vectors) continue;
-        const uint8_t* const part = planes + tilePartBytes * (uint32_t(j) * vectorWidth / leavesPerPart) +
-                                    uint32_t(j) * vectorWidth % leavesPerPart;
-        vfloatV from(tnear), to(tfar);
-        for (uint32_t k = 0; k < 3; k++) {
-          const uint32_t near = (ray.negativeAxes >> k) & 1u;
-          from = max(from, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + near))), scales[k], nears[k]));
-          to = min(to, madd(vfloatV(loadBytes(part + leavesPerPart * (2 * k + 1 - near))), scales[k], fars[k]));
-        }
-        enter[j] = from;
-        hit[j] = from <= to;
-      }
-      mask = movemasks(hit);
-    }
-    if (unlikely((tile->region & 255u) != 255u)) mask &= tileLeaves(tile->region);
+    const vfloatV scales[3] = {broadcast<0>(scale), broadcast<1>(scale), broadcast<2>(scale)};
+    const vfloatV nears[3] = {broadcast<0>(nearOffset), broadcast<1>(nearOffset), broadcast<2>(nearOffset)};
+    const vfloatV fars[3] = {broadcast<0>(farOffset), broadcast<1>(farOffset), broadcast<2>(farOffset)};
+    set(ray, tile->region, tnear, tfar, isSafe, [&](uint32_t offset, uint32_t k, bool isFar) {
+      return madd(vfloatV(loadBytes(planes + offset)), scales[k], isFar ? fars[k] : nears[k]);
+    });
   }
-
-  /*! Mask of leaves that the ray enters before tfar. */
-  __forceinline uint32_t enteredBefore(float tfar) const {
-    vboolV before[maxVectors];
-    for (int j = 0; j < maxVectors; j++) before[j] = j < vectors ? enter[j] <= vfloatV(tfar) : vboolV(false);
-    return movemasks(before);
-  }
-
-  uint32_t mask;
-
-private:
-  static const int maxVectors = 2 * int(leavesPerPart) / vectorWidth;
-
-  const int vectors;
-  vfloatV enter[maxVectors];
 };
 
 /*! Leaves that are still to be tested, roughly front to back. */
@@ -110,7 +128,9 @@ class LeafTriangles {
 public:
   uint32_t first, second; //!< bit 8 l + q: first or second triangle of quad q (column + 4 row) of leaf l
 
-  __forceinline LeafTriangles(const VertRay& ray, const TileBlock& tile, const uint32_t leaves[tileLeavesAtOnce]) {
+  /*! Tile: see TileIntersector1. */
+  template<typename Tile>
+  __forceinline LeafTriangles(const VertRay& ray, const Tile& tile, const uint32_t leaves[tileLeavesAtOnce]) {
     const int axes[3] = {ray.kx, ray.ky, ray.kz};
     tile.vertices(leaves, axes, vertices);
     const LeafVectors z = vertices[2] - ray.org[ray.kz];
@@ -177,29 +197,32 @@ struct LeafCandidates {
   __forceinline TriangleSides<float> sides(uint32_t index) const { return leaf.sides(index); }
 };
 
-template<typename RayType>
+/*! Tile: TileBlock or MovingTileBlock. Boxes: LeafBoxes or MovingLeafBoxes. */
+template<typename RayType, typename Tile, typename Boxes>
 class TileIntersector1 {
 public:
   /*! Returns true if a hit was accepted. As VertIntersector1::intersect. */
-  static __forceinline bool intersect(RayType& ray, IntersectContext* context, VertRay& vertRay,
-                                      const VertHeader* tile) {
+  template<typename... At>
+  static __forceinline bool intersect(RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* tile,
+                                      const At&... at) {
     vertRay.set(ray);
-    const LeafBoxes boxes(vertRay, tile, ray.tnear(), ray.tfar);
-    return boxes.mask != 0 && TileIntersector1(ray, context, vertRay, tile).run(boxes);
+    const Boxes boxes(vertRay, tile, ray.tnear(), ray.tfar, at...);
+    return boxes.mask != 0 && TileIntersector1(ray, context, vertRay, tile, at...).run(boxes);
   }
 
 private:
   static const bool isAnyHit = IsAnyHit<RayType>::value;
 
+  template<typename... At>
   __forceinline TileIntersector1(RayType& ray, IntersectContext* context, const VertRay& vertRay,
-                                 const VertHeader* header)
+                                 const VertHeader* header, const At&... at)
     : ray(ray),
       context(context),
       vertRay(vertRay),
-      tile(header) {}
+      tile(header, at...) {}
 
-  __forceinline bool run(const LeafBoxes& boxes) {
-    LeafQueue queue(boxes.mask, isAnyHit ? 0 : leafFlip(tile.tile, vertRay.negativeAxes & 7u));
+  __forceinline bool run(const Boxes& boxes) {
+    LeafQueue queue(boxes.mask, isAnyHit ? 0 : tile.flip(vertRay.negativeAxes & 7u));
     bool found = false;
     while (!queue.isEmpty()) {
       uint32_t leaves[2];
@@ -238,12 +261,12 @@ private:
   RayType& ray;
   IntersectContext* const context;
   const VertRay& vertRay;
-  const TileBlock tile;
+  const Tile tile;
 };
 
 /*! As intersectVert. */
 template<typename RayType>
 __noinline bool intersectTile(RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* tile) {
-  return TileIntersector1<RayType>::intersect(ray, context, vertRay, tile);
+  return TileIntersector1<RayType, TileBlock, LeafBoxes>::intersect(ray, context, vertRay, tile);
 }
 } // namespace embree::isa::cbvh

@@ -15,7 +15,7 @@
 #include "../surface/plan.h"
 #include "../surface/source.h"
 #include "../base/codec_names.h"
-#include "../../cvert/encoder/motion_encoder.h"
+#include "../../cvert/encoder/moving_tile_encoder.h"
 #include "../../cvert/encoder/prim_id_encoder.h"
 #include "../../cvert/encoder/snapped_vertices.h"
 #include "../../cvert/encoder/tile_encoder.h"
@@ -147,17 +147,36 @@ private:
   /*! copy(step,out) must store the block's vertices at a time step. */
   template<typename Copy>
   void writeMovingBlock(const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h, const Copy& copy) {
-    if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
     const cbvh::VertPlacement placement = choosePlacement(patch, x, y, w, h);
-    uint8_t* const bytes =
-        store.reserve(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
     cbvh::WorldBounds bounds;
+    cbvh::MotionStatistics blockStatistics;
+    size_t size = 0;
+    if (plan.makesTiles() && w * h >= cbvh::minTileQuads)
+      size = encodeSteps(movingTileEncoder, placement, copy, bounds, blockStatistics);
+    if (size == 0) size = encodeSteps(movingEncoder, placement, copy, bounds, blockStatistics);
+    if (size == 0) {
+      statistics.sums.numInvalidQuads += size_t(w) * h;
+      return;
+    }
+    uint8_t* const bytes = store.reserve(0);
+    statistics.sums.numMovingQuads += size_t(w) * h;
+    statistics.sums.motionBytes += blockStatistics.stepBytes;
+    commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds);
+  }
+
+  /*! Encodes the steps at the end of the store, and adds their boxes. Returns 0, without boxes, if the encoder does. */
+  template<typename Encoder, typename Copy>
+  size_t encodeSteps(std::unique_ptr<Encoder>& encoder, const cbvh::VertPlacement& placement, const Copy& copy,
+                     cbvh::WorldBounds& bounds, cbvh::MotionStatistics& blockStatistics) {
+    if (!encoder) encoder.reset(new Encoder);
+    bounds = cbvh::WorldBounds();
     const size_t firstBox = store.boxes.size();
-    movingEncoder->begin(placement, plan.timeRange.lower, plan.timeRange.upper, plan.numTimeSteps, bytes);
+    encoder->begin(placement, plan.timeRange.lower, plan.timeRange.upper, plan.numTimeSteps,
+                   store.reserve(Encoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes));
     for (unsigned step = 0; step < plan.numTimeSteps; step++) {
-      copy(step, movingEncoder->vertices());
-      movingEncoder->addStep();
-      const cbvh::BlockVertices& vertices = movingEncoder->last();
+      copy(step, encoder->vertices());
+      encoder->addStep();
+      const cbvh::BlockVertices& vertices = encoder->last();
       extend(bounds, vertices);
       cbvh::StepBox box;
       for (int k = 0; k < 3; k++) {
@@ -166,16 +185,9 @@ private:
       }
       store.boxes.push_back(box);
     }
-    cbvh::MotionStatistics blockStatistics;
-    const size_t size = movingEncoder->finish(blockStatistics);
-    if (size == 0) {
-      store.boxes.resize(firstBox);
-      statistics.sums.numInvalidQuads += size_t(w) * h;
-      return;
-    }
-    statistics.sums.numMovingQuads += size_t(w) * h;
-    statistics.sums.motionBytes += blockStatistics.stepBytes;
-    commitBlock(patch, (cbvh::VertHeader*)bytes, size, blockStatistics, bounds);
+    const size_t size = encoder->finish(blockStatistics);
+    if (size == 0) store.boxes.resize(firstBox);
+    return size;
   }
 
   static void extend(cbvh::WorldBounds& bounds, const cbvh::BlockVertices& vertices) {
@@ -293,7 +305,8 @@ private:
   unsigned sideRates[4];           //!< edge rates of the patch's sides, equal in adjacent faces
   cbvh::VertEncoder encoder;
   cbvh::TileEncoder tileEncoder;
-  std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block
+  std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null before the first moving block, as the next
+  std::unique_ptr<cbvh::MovingTileEncoder> movingTileEncoder;
   cbvh::NumbersEncoder numbers;
 };
 } // namespace embree::isa

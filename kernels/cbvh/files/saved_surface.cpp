@@ -58,12 +58,27 @@ private:
 
   /*! Files store the tile's vertices as a block. */
   uint64_t tile(const VertHeader* tile) {
+    if (isMoving(tile->info)) return movingTile(tile);
     alignas(blockAlignment) uint8_t block[maxBlockBytesOfTile];
     const size_t bytes = blockOfTile(tile, encoder, block);
     BlockBytes(tile, tileBytes(tile)).removeFrom(statistics.sums);
     BlockBytes((const VertHeader*)block, bytes).addTo(statistics.sums);
     statistics.sums.numRawBlocks += isRaw(((const VertHeader*)block)->info);
     return to.append(FILE_VERT, to.keep(block, bytes), uint32_t(bytes), offsetof(VertHeader, surface));
+  }
+
+  uint64_t movingTile(const VertHeader* tile) {
+    if (!motionEncoder) motionEncoder.reset(new MotionEncoder);
+    std::vector<uint32_t> memory(maxBytesOfMovingForms(motionOf(tile).numSteps) / sizeof(uint32_t) + 1);
+    uint8_t* const block = (uint8_t*)memory.data();
+    MotionStatistics ofBlock;
+    const size_t bytes = movingBlockOfTile(tile, *motionEncoder, block, ofBlock);
+    BlockBytes(tile, tileBytes(tile)).removeFrom(statistics.sums);
+    BlockBytes((const VertHeader*)block, bytes).addTo(statistics.sums);
+    statistics.sums.motionBytes += size_t(ofBlock.stepBytes) - size_t(laterStepBytes(tile));
+    statistics.sums.numRawBlocks += ofBlock.raw;
+    return to.append(fileChildOf(VERT_BLOCK, true), to.keep(block, bytes), uint32_t(bytes),
+                     offsetof(VertHeader, surface));
   }
 
   /*! As above, as a mesh block. */
@@ -125,6 +140,7 @@ private:
   FileSurface& to;
   VertEncoder encoder;
   MeshEncoder meshEncoder;
+  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving tile
 };
 
 /*! Tiles are stored as blocks. */

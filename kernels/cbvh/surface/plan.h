@@ -23,7 +23,7 @@ struct CompressionPlan {
       timeRange(geometry->time_range),
       settings(geometry->compression.resolve(geometry->device->compression)) {
     isCompressed = cbvh::findKind(settings.compression, blockKind);
-    areBlocksTiles = isCompressed && blockKind == cbvh::Kind::CTILE && !moves();
+    areBlocksTiles = isCompressed && blockKind == cbvh::Kind::CTILE;
     isFormChosen = geometry->device->compression.memory != nullptr;
     if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves() || blockKind == cbvh::Kind::CTILE)
       blockKind = cbvh::Kind::CVERT;

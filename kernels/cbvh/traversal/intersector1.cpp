@@ -112,12 +112,12 @@ private:
 
 __noinline void intersectWide(const WideNode* root, RayHit& ray, IntersectContext* context) {
   WideLeaves<RayHit> leaves(ray, context);
-  traverseClosestHit(root, ray, leaves);
+  traverseClosestHit<WideRay>(root, ray, leaves);
 }
 
 __noinline bool isOccludedWide(const WideNode* root, Ray& ray, IntersectContext* context) {
   WideLeaves<Ray> leaves(ray, context);
-  return traverseAnyHit(root, ray, leaves);
+  return traverseAnyHit<WideRay>(root, ray, leaves);
 }
 } // namespace cbvh
 

@@ -10,7 +10,7 @@
 
 namespace embree::isa {
 namespace cbvh {
-/*! Leaves of the tree of moving surfaces. */
+/*! Leaves of the trees of moving surfaces. */
 class MovingLeaves {
   typedef TravRay<4, true> Tray;
 
@@ -26,7 +26,6 @@ public:
     return intersectBlock(ray, leaf);
   }
 
-private:
   /*! Returns true if a hit was accepted. */
   template<typename RayType>
   __forceinline bool intersectBlock(RayType& ray, BVH4::NodeRef leaf) {
@@ -35,15 +34,22 @@ private:
     switch (BlockType(type)) {
     case VERT_BLOCK: return intersectMovingVert(ray, context, vert, (const VertHeader*)prim);
     case MESH_BLOCK: return intersectMovingMesh(ray, context, vert, prim);
-    case FRAMED_BLOCK:
-    case TILE_BLOCK: break; // never move
+    case TILE_BLOCK: return intersectMovingTile(ray, context, vert, (const VertHeader*)prim);
+    case FRAMED_BLOCK: break; // never moves
     }
     return false;
   }
 
+private:
   IntersectContext* context;
   VertRay vert;
 };
+
+/*! Root of the tree of wide nodes, or null. */
+static __forceinline const WideMovingNode* wideRoot(const BVH4* bvh) {
+  const mvector<WideMovingNode>& nodes = ((const CompressedTree*)bvh)->wideMoving;
+  return nodes.empty() ? nullptr : nodes.data();
+}
 } // namespace cbvh
 
 void CompressedMotionTraversal1::intersect(const Accel::Intersectors* This, RayHit& ray, IntersectContext* context) {
@@ -60,11 +66,20 @@ void CompressedMotionTraversal1::occluded(const Accel::Intersectors* This, Ray& 
 
 __noinline void CompressedMotionTraversal1::intersectTree(const BVH4* bvh, RayHit& ray, IntersectContext* context) {
   cbvh::MovingLeaves leaves(context);
+  if (const WideMovingNode* root = cbvh::wideRoot(bvh)) {
+    auto intersect = [&](BVH4::NodeRef leaf) { leaves.intersectBlock(ray, leaf); };
+    return cbvh::traverseClosestHit<cbvh::MovingWideRay>(root, ray, intersect);
+  }
   cbvh::traverseClosestHit1(bvh->root, cbvh::MovingNodes{ray.time()}, ray, leaves);
 }
 
 __noinline void CompressedMotionTraversal1::occludedTree(const BVH4* bvh, Ray& ray, IntersectContext* context) {
   cbvh::MovingLeaves leaves(context);
+  if (const WideMovingNode* root = cbvh::wideRoot(bvh)) {
+    auto isHit = [&](BVH4::NodeRef leaf) { return leaves.intersectBlock(ray, leaf); };
+    if (cbvh::traverseAnyHit<cbvh::MovingWideRay>(root, ray, isHit)) ray.tfar = neg_inf;
+    return;
+  }
   if (cbvh::traverseAnyHit1(bvh->root, cbvh::MovingNodes{ray.time()}, ray, leaves)) ray.tfar = neg_inf;
 }
 

@@ -136,13 +136,22 @@ public:
 
   /*! Returns the mask of children that the ray intersects before tfar. distances: receives their entry distances. */
   __forceinline uint32_t intersect(const WideNode& node, float tfar, vfloatV distances[vectors]) const {
+    return intersect(tfar, distances, [&](size_t plane, int j) { return planes(node, plane, j); });
+  }
+
+  typedef WideNode Node;
+
+protected:
+  /*! planesOf(plane,j): planes of the children in vector j. */
+  template<typename PlanesOf>
+  __forceinline uint32_t intersect(float tfar, vfloatV distances[vectors], const PlanesOf& planesOf) const {
     vboolV hit[vectors];
 #pragma GCC unroll 4
     for (int j = 0; j < vectors; j++) {
       vfloatV from[3], to[3];
       for (size_t axis = 0; axis < 3; axis++) {
-        from[axis] = (planes(node, nearPlane[axis], j) - org[axis]) * near[axis];
-        to[axis] = (planes(node, nearPlane[axis] ^ 1u, j) - org[axis]) * far[axis];
+        from[axis] = (planesOf(nearPlane[axis], j) - org[axis]) * near[axis];
+        to[axis] = (planesOf(nearPlane[axis] ^ 1u, j) - org[axis]) * far[axis];
       }
       distances[j] = max(max(from[0], from[1]), max(from[2], vfloatV(tnear)));
       hit[j] = distances[j] <= min(min(to[0], to[1]), min(to[2], vfloatV(tfar)));
@@ -150,7 +159,6 @@ public:
     return movemasks(hit);
   }
 
-private:
   static __forceinline Vec3vf<vectorWidth> components(const vfloat4& v) {
     return Vec3vf<vectorWidth>(broadcast<0>(v), broadcast<1>(v), broadcast<2>(v));
   }
@@ -161,6 +169,25 @@ private:
   Vec3vf<vectorWidth> org, near, far;
   size_t nearPlane[3];
   const float tnear;
+};
+
+/*! In the tree of moving surfaces, at the ray's time. */
+class MovingWideRay : public WideRay {
+public:
+  typedef WideMovingNode Node;
+
+  __forceinline MovingWideRay(const Ray& ray, const vfloat4& o, const vfloat4& d)
+    : WideRay(ray, o, d),
+      time(ray.time()) {}
+
+  __forceinline uint32_t intersect(const WideMovingNode& node, float tfar, vfloatV distances[vectors]) const {
+    return WideRay::intersect(tfar, distances, [&](size_t plane, int j) {
+      return madd(time, vfloatV::load(node.differences[plane] + vectorWidth * j), planes(node, plane, j));
+    });
+  }
+
+private:
+  const vfloatV time;
 };
 
 /*! A node on the stack. */
@@ -177,19 +204,19 @@ static __forceinline void prefetch(size_t ref) {
 
 static const size_t wideStackSize = 1 + (wideChildren - 1) * BVH4::maxDepth;
 
-/*! Finds the closest hit of a ray. intersect(ref): intersects a leaf. */
-template<typename Intersect>
-__forceinline void traverseClosestHit(const WideNode* root, RayHit& ray, Intersect& intersect) {
+/*! Finds the closest hit of a ray. RayInTree: WideRay or MovingWideRay. intersect(ref): intersects a leaf. */
+template<typename RayInTree, typename Intersect>
+__forceinline void traverseClosestHit(const typename RayInTree::Node* root, RayHit& ray, Intersect& intersect) {
   const vfloat4 org = loadOfRay(&ray.org.x), dir = loadOfRay(&ray.dir.x);
   if (unlikely(!isValidRay(ray, org, dir))) return;
-  const WideRay wideRay(ray, org, dir);
+  const RayInTree wideRay(ray, org, dir);
   WideEntry stack[wideStackSize];
   WideEntry* top = stack;
   BVH4::NodeRef cur = size_t(root);
   while (true) {
     bool isMissed = false;
     while (!cur.isLeaf()) {
-      const WideNode& node = *(const WideNode*)size_t(cur);
+      const typename RayInTree::Node& node = *(const typename RayInTree::Node*)size_t(cur);
       vfloatV distances[WideRay::vectors];
       uint32_t mask = wideRay.intersect(node, max(ray.tfar, 0.0f), distances);
       isMissed = mask == 0;
@@ -227,12 +254,12 @@ __forceinline void traverseClosestHit(const WideNode* root, RayHit& ray, Interse
 }
 
 /*! Returns true if the ray has a hit. isHit(ref): returns true if a leaf has one. */
-template<typename IsHit>
-__forceinline bool traverseAnyHit(const WideNode* root, Ray& ray, IsHit& isHit) {
+template<typename RayInTree, typename IsHit>
+__forceinline bool traverseAnyHit(const typename RayInTree::Node* root, Ray& ray, IsHit& isHit) {
   const vfloat4 org = loadOfRay(&ray.org.x), dir = loadOfRay(&ray.dir.x);
   // tfar < 0: Embree's mark of an any-hit ray that has found a hit
   if (unlikely(ray.tfar < 0.0f || !isValidRay(ray, org, dir))) return false;
-  const WideRay wideRay(ray, org, dir);
+  const RayInTree wideRay(ray, org, dir);
   size_t stack[wideStackSize];
   size_t* top = stack;
   *top++ = size_t(root);
@@ -242,7 +269,7 @@ __forceinline bool traverseAnyHit(const WideNode* root, Ray& ray, IsHit& isHit) 
       if (isHit(cur)) return true;
       continue;
     }
-    const WideNode& node = *(const WideNode*)size_t(cur);
+    const typename RayInTree::Node& node = *(const typename RayInTree::Node*)size_t(cur);
     vfloatV distances[WideRay::vectors];
     for (uint32_t mask = wideRay.intersect(node, max(ray.tfar, 0.0f), distances); mask; mask &= mask - 1)
       *top++ = node.children[bsf(mask)];

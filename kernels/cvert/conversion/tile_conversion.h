@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Converts blocks to tiles (format/tile.h) and back, with the same vertices, edges and primitive numbers. */
+/* Converts blocks to tiles (format/tile.h) and back, with the same vertices, steps, edges and primitive numbers. */
 
-#include "../format/motion.h"
+#include "../decoder/decoded_block.h"
+#include "../encoder/moving_tile_encoder.h"
 #include "../encoder/prim_id_encoder.h"
 #include "../encoder/tile_encoder.h"
 
@@ -64,5 +65,58 @@ inline size_t tileOfBlock(const VertHeader* block, const float (*decoded)[3], Bl
   const size_t end = encoder.encode(vertices, placementOf(block), tile);
   if (end == 0) return 0;
   return copyNumbers(block, (vertFirstStepSize(block) + 3) & ~3u, vertBytes(block), (VertHeader*)tile, uint32_t(end));
+}
+
+/*! Upper bound of the bytes that movingBlockOfTile() and movingTileOfBlock() write. */
+inline size_t maxBytesOfMovingForms(uint32_t numSteps) {
+  return std::max(MotionEncoder::maxBytes(numSteps), MovingTileEncoder::maxBytes(numSteps)) + NumbersEncoder::maxBytes;
+}
+
+/*! Encodes the steps of a moving block or tile in the other form. Encoder: MotionEncoder or MovingTileEncoder. Returns
+ *  the size without numbers, or 0, see MovingTileEncoder. */
+template<typename Encoder>
+size_t encodeStepsOf(const VertHeader* from, Encoder& encoder, uint8_t* to, MotionStatistics& statistics) {
+  const VertMotion motion = motionOf(from);
+  encoder.begin(placementOf(from), motion.begin, motion.end, motion.numSteps, to);
+  for (uint32_t step = 0; step < motion.numSteps; step++) {
+    const DecodedBlock decoded(from, step);
+    std::memcpy(encoder.vertices(), decoded.vertices,
+                sizeof(decoded.vertices[0]) * (decoded.quadsX + 1) * (decoded.quadsY + 1));
+    encoder.addStep();
+  }
+  return encoder.finish(statistics);
+}
+
+/*! Writes the block of a moving tile. block: maxBytesOfMovingForms, aligned to 4. Returns its size. */
+inline size_t movingBlockOfTile(const VertHeader* tile, MotionEncoder& encoder, uint8_t* block,
+                                MotionStatistics& statistics) {
+  const size_t end = encodeStepsOf(tile, encoder, block, statistics);
+  return copyNumbers(tile, endOfTileSteps(tile), tileBytes(tile), (VertHeader*)block, uint32_t(end));
+}
+
+/*! Writes the tile of a moving block. tile: as above. Returns its size, or 0 if there is none, see MovingTileEncoder.
+ */
+inline size_t movingTileOfBlock(const VertHeader* block, MovingTileEncoder& encoder, uint8_t* tile,
+                                MotionStatistics& statistics) {
+  const size_t end = encodeStepsOf(block, encoder, tile, statistics);
+  if (end == 0) return 0;
+  return copyNumbers(block, (endOfSteps(block) + 3) & ~3u, vertBytes(block), (VertHeader*)tile, uint32_t(end));
+}
+
+/*! MotionStatistics::stepBytes of a block or tile, 0 for those at rest. */
+inline uint32_t laterStepBytes(const VertHeader* block) {
+  if (!isMoving(block->info)) return 0;
+  if (isTile(block->info))
+    return endOfTileSteps(block) - uint32_t((const uint8_t*)tileOfStep(block, 1) - (const uint8_t*)block);
+  return ((endOfSteps(block) + 3) & ~3u) - motionOf(block).steps;
+}
+
+/*! True for a block, not a tile, that stores floats at one of its steps. */
+inline bool isAnyStepRaw(const VertHeader* block) {
+  if (isTile(block->info)) return false;
+  bool isAny = isRaw(block->info);
+  if (isMoving(block->info))
+    for (uint32_t step = 1; step < motionOf(block).numSteps; step++) isAny |= isRaw(stepOf(block, step)->info);
+  return isAny;
 }
 }} // namespace cvert::CVERT_ISA

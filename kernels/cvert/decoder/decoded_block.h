@@ -10,7 +10,7 @@
 #include "group_planes.h"
 
 namespace cvert { inline namespace CVERT_ISA {
-/*! Vertices of a block at a time step. SIMD decoders must return the same floats. The block must be valid
+/*! Vertices of a block or tile at a time step. SIMD decoders must return the same floats. The block must be valid
  *  (validateVert) and outlive this object. Reads up to vertReadPadding bytes after the block. */
 class DecodedBlock {
 public:
@@ -25,8 +25,8 @@ public:
       quadsY(vertQuadsY(block->region)),
       block(block),
       layout(vertLayout(block->region, block->info)),
-      view(viewOfStep(block, layout, step)) {
-    if (isTile(block->info)) decodeTile();
+      view(viewOfStep(block, layout, isTile(block->info) ? 0 : step)) {
+    if (isTile(block->info)) decodeTile(tileOfStep(block, step));
     else if (isRaw(view.info))
       std::memcpy(vertices, view.data + view.vertices, sizeof(vertices[0]) * (quadsX + 1) * (quadsY + 1));
     else decode();
@@ -80,10 +80,10 @@ private:
     uint32_t word, fields; //!< see CodedCell
   };
 
-  void decodeTile() {
+  void decodeTile(const VertHeader* tile) {
     for (uint32_t y = 0; y <= quadsY; y++)
       for (uint32_t x = 0; x <= quadsX; x++)
-        for (int k = 0; k < 3; k++) vertices[y * (quadsX + 1) + x][k] = tileVertex(block, x, y, k);
+        for (int k = 0; k < 3; k++) vertices[y * (quadsX + 1) + x][k] = tileVertex(tile, x, y, k);
   }
 
   void decode() {

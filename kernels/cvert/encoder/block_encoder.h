@@ -38,6 +38,15 @@ struct VertPlacement {
       numbers(numbers) {}
 
   uint32_t info() const { return uint32_t(hasEdges) << 29 | uint32_t(hasPrimIDs) << 30; }
+
+  /*! Sets region, patchQuads and info, and the part after the header. info: with the bits of info(). */
+  void write(VertHeader& header, uint32_t info) const {
+    header.region = region;
+    header.patchQuads = patchQuads;
+    header.info = info;
+    if (hasEdges) memcpy(&header + 1, &edges, sizeof(edges));
+    if (hasPrimIDs) memcpy(&header + 1, &numbers, sizeof(numbers));
+  }
 };
 
 /*! Set `vertices`, then call encode(), for any number of blocks, by one thread at a time. */
@@ -151,12 +160,8 @@ private:
     layout = vertLayout(placement.region, info);
     memset(block, 0, layout.cell);
     VertHeader& header = *(VertHeader*)block;
-    header.region = placement.region;
-    header.patchQuads = placement.patchQuads;
-    header.info = info;
+    placement.write(header, info);
     writeVersion(header.corners);
-    if (placement.hasEdges) memcpy(&header + 1, &placement.edges, sizeof(placement.edges));
-    if (placement.hasPrimIDs) memcpy(&header + 1, &placement.numbers, sizeof(placement.numbers));
     return header;
   }
 

@@ -61,6 +61,7 @@ public:
    *  VertHeader::surface and primID. */
   size_t finish(MotionStatistics& out) {
     for (bool isInvalid : invalid) statistics.invalidQuads += isInvalid;
+    statistics.stepBytes = uint32_t(end - block) - motion.steps;
     out = statistics;
     return isEmpty ? 0 : size_t(end - block);
   }
@@ -135,7 +136,6 @@ private:
     marginsOfSegment = (uint8_t*)&header + vertStepLayout(placement.region, header.info).margins;
     infoOfSegment = &header.info;
     boundsOfSegment = &header.bounds;
-    statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
   }
 
   /*! Requires now.chooseSpacings(). Coarsens spacings until residuals fit. Returns false if one is then too large. */

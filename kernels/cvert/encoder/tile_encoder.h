@@ -166,13 +166,9 @@ private:
     VertHeader& header = *(VertHeader*)tile;
     const uint32_t info = placement.info() | tileInfo, boxes = tileBoxesOffset(info);
     memset(tile, 0, boxes);
-    header.region = placement.region;
-    header.patchQuads = placement.patchQuads;
-    header.info = info;
+    placement.write(header, info);
     header.bounds = order() | bytesPerVertex << 16 | scaleBits << 20;
     memcpy(header.origin, origin, sizeof(origin));
-    if (placement.hasEdges) memcpy(&header + 1, &placement.edges, sizeof(placement.edges));
-    if (placement.hasPrimIDs) memcpy(&header + 1, &placement.numbers, sizeof(placement.numbers));
     for (uint32_t k = 0; k < 3; k++) {
       if (bytesPerVertex != tileFloatBytes) {
         put16(tile + tileSlopeXOffset + 2 * k, slope[0][k]);

@@ -16,6 +16,6 @@ enum BlockType : uint32_t {
   FRAMED_BLOCK = 2, //!< block with a frame, of the paper's kinds. Its header stores the kind. Never moves
   VERT_BLOCK = 3,   //!< format/block.h, with format/motion.h if it moves
   MESH_BLOCK = 5,   //!< format/mesh_block.h, with format/mesh_motion.h if it moves
-  TILE_BLOCK = 7    //!< format/tile.h. Never moves, and not in files
+  TILE_BLOCK = 7    //!< format/tile.h. Not in files
 };
 } // namespace cvert

@@ -72,14 +72,15 @@ struct TimeInMotion {
   float fraction;
 };
 
-/*! Requires isPresent(motion,time). Rounds as Embree does. If time-begin and end-begin overflow, returns the end of the
- *  last segment. */
+/*! Requires isPresent(motion,time). Rounds as Embree does. With two steps, the segment does not wait for divisions. If
+ * time-begin and end-begin overflow, returns the end of the last segment. */
 CVERT_FUNCTION TimeInMotion timeInMotion(VertMotion motion, float time) {
   float last = float(motion.numSteps - 1u);
   float steps = (time - motion.begin) / (motion.end - motion.begin) * last;
   if (!(steps < last)) steps = last; // steps is NaN after an overflow
   TimeInMotion at;
-  at.segment = uint32_t(steps);
+  at.segment = 0u;
+  if (motion.numSteps > 2u) at.segment = uint32_t(steps);
   if (at.segment > motion.numSteps - 2u) at.segment = motion.numSteps - 2u;
   at.fraction = steps - float(at.segment);
   return at;
@@ -154,12 +155,17 @@ inline uint32_t vertStepSize(const VertStep* step, uint32_t region) {
                      groupsOf(vertQuadsX(region)) * groupsOf(vertQuadsY(region)));
 }
 
-/*! Size of a valid block in bytes, with all steps and the table of numbers, without padding. */
-inline uint32_t vertBytes(const VertHeader* block) {
-  if (const uint32_t end = endOfNumbers(block, 0)) return end;
+/*! End of the last step of a valid block, in bytes from the start of the block. */
+inline uint32_t endOfSteps(const VertHeader* block) {
   if (!isMoving(block->info)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block, motionOf(block).numSteps - 1);
   return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last, block->region);
+}
+
+/*! Size of a valid block in bytes, with all steps and the table of numbers, without padding. */
+inline uint32_t vertBytes(const VertHeader* block) {
+  if (const uint32_t end = endOfNumbers(block, 0)) return end;
+  return endOfSteps(block);
 }
 
 CVERT_END

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A tile: a block at rest (block.h) in another form, which is about twice as large. Each vertex and each box can be
+/* A tile: a block (block.h) in another form, which is about twice as large. Each vertex and each box can be
  * read without the others, so that a ray decodes only what it tests. Tiles are made from blocks in memory, with the
  * very same vertices; files contain blocks. docs/formats/tile.md specifies the form. Layout:
  *
@@ -19,7 +19,14 @@
  * need more bits, the tile stores floats.
  *
  * A leaf is 4 x 2 quads. Its box has six bytes: planes are origin + byte * boxStep * scale * spacing. Rows and columns
- * of vertices are repeated up to whole leaves; quads between them have no area and are never hit. */
+ * of vertices are repeated up to whole leaves; quads between them have no area and are never hit.
+ *
+ * A moving tile has a tile at rest per time step, without edges and numbers, which begins at a multiple of 16 bytes:
+ *
+ *   header | edges or numbers | VertMotion | offsets of steps | step 0 | step 1 | ... | table of primitive numbers
+ *
+ * Its header has only surface, primID, region, patchQuads and info. Vertices and boxes are linear in a segment, the
+ * time between two steps. */
 
 #ifndef CVERT_FORMAT_TILE_H
 #define CVERT_FORMAT_TILE_H
@@ -39,7 +46,7 @@ CVERT_CONSTANT uint32_t tileFloatBytes = 12u;               //!< bytes per verte
 CVERT_CONSTANT uint32_t maxBoxByte = 255u;
 CVERT_CONSTANT uint32_t tileExtentBits = 18u;
 
-/*! Bits of VertHeader::info in a tile. Other bits: 29, 30 as in a block. */
+/*! Bits of VertHeader::info in a tile. Other bits: 29, 30, 31 as in a block. */
 CVERT_CONSTANT uint32_t tileInfo = rawInfo | (1u << 14);
 
 /*! True for a tile, false for a block: raw blocks have no shear, whose lowest bit this is. */
@@ -174,13 +181,24 @@ CVERT_END
 #ifndef VULKAN
 CVERT_BEGIN
 
+/*! Returns the tile of a time step. step: 0 unless the tile moves. */
+inline const VertHeader* tileOfStep(const VertHeader* tile, uint32_t step) {
+  if (!isMoving(tile->info)) return tile;
+  return (const VertHeader*)((const uint8_t*)tile + wordAt(tile, motionOf(tile).steps / 4 + step));
+}
+
 /*! For tiles of any kind: true if it was made from a mesh block (mesh_tile.h), and has 0 instead of tileInfo. */
 inline bool isMeshTile(const void* tile) { return ((const VertHeader*)tile)->info == 0; }
 
-/*! Size of a tile in bytes, without padding. */
-inline uint32_t tileBytes(const VertHeader* tile) {
-  return endOfNumbers(tile, tileEnd(tile->region, tile->info, tileVertexBytes(tile)));
+/*! End of the vertices of all steps, a multiple of 4. */
+inline uint32_t endOfTileSteps(const VertHeader* tile) {
+  const VertHeader* last = tileOfStep(tile, isMoving(tile->info) ? motionOf(tile).numSteps - 1 : 0);
+  return uint32_t((const uint8_t*)last - (const uint8_t*)tile) +
+         tileEnd(last->region, last->info, tileVertexBytes(last));
 }
+
+/*! Size of a tile in bytes, without padding. */
+inline uint32_t tileBytes(const VertHeader* tile) { return endOfNumbers(tile, endOfTileSteps(tile)); }
 
 CVERT_END
 #endif
