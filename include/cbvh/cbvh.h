@@ -24,7 +24,7 @@
  *   if (cbvhIntersect1(group, &ray, NULL)) ...
  *
  * Surfaces are stored as the triangles of a fine tessellation with vertices on a lattice. Displaced cages mostly need 5
- * to 7 bytes per quad as tiles (cTILE), the default at rest, and 2 to 4 as cVERT, which rays decode; irregular meshes
+ * to 7 bytes per quad as tiles (cTILE), the default, and 2 to 4 as cVERT, which rays decode; irregular meshes
  * need 9 to 11 bytes per triangle, as cVERT 7 to 8. docs/error.md lists noisy surfaces.
  *
  * Errors: most functions return an error code, CBVH_OK on success. Functions that return a value return 0 or NULL on

@@ -16,8 +16,8 @@
  *   the remaining triangles in mesh blocks. A mesh with several time steps is stored either completely in grids or
  *   completely in mesh blocks.
  *
- * Grids, meshes and moving geometry are always stored exactly: at rest as cTILE if that is selected, otherwise as
- * cVERT. Grids that compression would not make smaller are left to Embree's own kernels, and so are meshes with
+ * Grids, meshes and moving geometry are always stored exactly: as cTILE if that is selected (moving mesh blocks have no
+ * tiles), otherwise as cVERT. Grids that compression would not make smaller are left to Embree's own kernels, and so are meshes with
  * RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless RTC_COMPRESSION_FLAG_SMALL_MESHES is set. The
  * representation of a geometry is the first of these that is set:
  *
@@ -215,8 +215,9 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  * all the work.
  *
  * The geometry owns its blocks. All scenes that it is attached to share them. A commit builds them again if the surface
- * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is always
- * stored as cVERT. If fallbackFaces is 0 and cLEAF, cVOXEL or cGRID is selected, moving cages are left to Embree.
+ * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is stored as
+ * cTILE if that is selected, otherwise as cVERT. If fallbackFaces is 0 and cLEAF, cVOXEL or cGRID is selected, moving
+ * cages are left to Embree.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.
