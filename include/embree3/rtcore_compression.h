@@ -17,9 +17,9 @@
  *   completely in mesh blocks.
  *
  * Grids, meshes and moving geometry are always stored exactly: as cTILE if that is selected (moving mesh blocks have no
- * tiles), otherwise as cVERT. Grids that compression would not make smaller are left to Embree's own kernels, and so are meshes with
- * RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless RTC_COMPRESSION_FLAG_SMALL_MESHES is set. The
- * representation of a geometry is the first of these that is set:
+ * tiles), otherwise as cVERT. Grids that compression would not make smaller are left to Embree's own kernels, and so
+ * are meshes with RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless RTC_COMPRESSION_FLAG_SMALL_MESHES
+ * is set. The representation of a geometry is the first of these that is set:
  *
  * 1. the arguments of rtcSetGeometryCompression,
  * 2. the device string, for example "subdiv_accel=cbvh.leaf,cbvh_frame_level=2",
