@@ -83,16 +83,16 @@ class Measured:
         factors = [self.mebibytes(scene, than) / self.mebibytes(scene, kind) for scene in SCENES]
         return min(factors), max(factors)
 
-    def speed(self, scene, view, kind, rays, base=TRIANGLES):
-        """Returns the speed relative to a base, as a ratio of medians."""
+    def speed(self, scene, view, kind, rays):
+        """Returns the speed relative to triangles, as a ratio of medians."""
         ray_set, query, in_packets = rays
         rows = self.speeds[(self.speeds.scene == scene) & (self.speeds["view"] == view)]
         rows = rows[(rows["ray_set"] == ray_set) & (rows["query"] == query)]
         rows = rows[rows["mode"] == (PACKETS[self.run.isa] if in_packets else "single")].set_index("kind")
-        return rows.mrays_per_second_median[kind] / rows.mrays_per_second_median[base]
+        return rows.mrays_per_second_median[kind] / rows.mrays_per_second_median[TRIANGLES]
 
-    def speeds_in_words(self, scene, view, kind, rays, base=TRIANGLES):
-        return " ".join(f"{self.speed(scene, view, kind, one, base):.2f}" for one in rays)
+    def speeds_in_words(self, scene, view, kind, rays):
+        return " ".join(f"{self.speed(scene, view, kind, one):.2f}" for one in rays)
 
     def range_of_speeds(self, kind, rays):
         """Returns the least and the largest speed over all scenes and views, relative to triangles."""
@@ -141,17 +141,14 @@ def speed_table(measured):
 
 
 def front_table(measured):
-    heads = ["model", "million quads", "MiB: triangles", "subdivision", "**ours**", "smallest"]
-    heads += ["rays, of triangles", "of subdivision"]
+    heads = ["model", "MiB: triangles", "subdivision", "**ours**", "smallest", "speed"]
     out = []
     for scene in SCENES:
-        cells = [scene, f"{measured.built[scene, EMBREE].quads / 1e6:.2f}"]
-        cells += [rounded(measured.mebibytes(scene, kind)) for kind in (TRIANGLES, EMBREE, OURS, SMALL)]
-        cells += [measured.speeds_in_words(scene, "full", OURS, SINGLE, base) for base in (TRIANGLES, EMBREE)]
-        out.append(cells)
+        cells = [scene, *(rounded(measured.mebibytes(scene, kind)) for kind in (TRIANGLES, EMBREE, OURS, SMALL))]
+        out.append([*cells, measured.speeds_in_words(scene, "full", OURS, SINGLE)])
     text = (
-        "Ours: cTILE, the default; smallest: cVERT, with the same hits. Rays: speed of coherent, then incoherent single"
-        " rays in full views, as a multiple of the speed with triangles, and with Embree's subdivision surfaces."
+        "Ours is cTILE, the default; smallest is cVERT, with the same hits. Speeds of coherent (camera) and incoherent"
+        " (bounced) rays are multiples of the triangles'."
         f" ({measured.source()}; `{NAME}`)"
     )
     return [*Table(heads, out).markdown().split("\n"), *wrapped(text)]
@@ -161,8 +158,8 @@ def headline(measured):
     triangles, subdivision = measured.smaller(TRIANGLES, OURS), measured.smaller(EMBREE, OURS)
     text = (
         f"**{times(triangles)} times less memory than Embree's triangles, {times(subdivision)} times less than its"
-        f" subdivision surfaces, and single rays at {measured.range_of_speeds(OURS, SINGLE)} times the speed of"
-        f" triangles** (any hit {measured.range_of_speeds(OURS, ANY)},"
+        f" subdivision surfaces, and single rays at {measured.range_of_speeds(OURS, SINGLE)} times the"
+        f" triangles' speed** (shadow rays {measured.range_of_speeds(OURS, ANY)},"
         f" packets {measured.range_of_speeds(OURS, PACKET)})."
     )
     return wrapped(text)
