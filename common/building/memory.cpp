@@ -55,12 +55,10 @@ size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size) {
   case RepresentationKind::Naive: return quads * (265 + 30 * later);        // measured without motion: 246
   case RepresentationKind::NaiveCompact: return quads * (205 + 30 * later); // measured: 194
   case RepresentationKind::Grid: return quads * (45 + 25 * later);
+  case RepresentationKind::CTile: return quads * (14 + 8 * later);
   case RepresentationKind::CGrid:
     if (later == 0) return quads * 25;
-    [[fallthrough]]; // moving geometry is stored as cVERT
-  case RepresentationKind::CTile:
-    if (later == 0) return quads * 14;
-    [[fallthrough]];
+    [[fallthrough]]; // in motion: cVERT
   default: return quads * (10 + 6 * later);
   }
 }

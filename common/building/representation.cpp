@@ -108,7 +108,7 @@ std::string levelRange() { return "0 to " + std::to_string(maxLevel); }
 bool Representation::hasFrames() const { return namesOf(kind).hasFrames; }
 
 std::string Representation::replacementInMotion() const {
-  if (!hasFrames()) return kind == RepresentationKind::CTile ? "stored as " + labelOf(RepresentationKind::CVert) : "";
+  if (!hasFrames()) return "";
   /* Without fallback faces, the library leaves motion to GRID. */
   return kind == RepresentationKind::CLeafOnly ? labelOf(RepresentationKind::Grid)
                                                : "stored as " + labelOf(RepresentationKind::CVert);

@@ -32,8 +32,7 @@ inline std::string motionWarnings(const Model& model, const std::vector<Represen
   if (model.poses.empty()) return lines;
   for (const Representation& r : representations) {
     const std::string replacement = r.replacementInMotion();
-    const std::string line = optionNameOf(r.kind) + " is " + replacement + ", because " +
-                             (r.hasFrames() ? "blocks with frames" : "tiles") + " do not move\n";
+    const std::string line = optionNameOf(r.kind) + " is " + replacement + ", because blocks with frames do not move\n";
     if (!replacement.empty() && lines.find(line) == std::string::npos) // the same for all frame levels
       lines += line;
   }

@@ -16,10 +16,10 @@
  *   the remaining triangles in mesh blocks. A mesh with several time steps is stored either completely in grids or
  *   completely in mesh blocks.
  *
- * Grids, meshes and moving geometry are always stored exactly: as cTILE if that is selected (moving mesh blocks have no
- * tiles), otherwise as cVERT. Grids that compression would not make smaller are left to Embree's own kernels, and so
- * are meshes with RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless RTC_COMPRESSION_FLAG_SMALL_MESHES
- * is set. The representation of a geometry is the first of these that is set:
+ * Grids, meshes and moving geometry are always stored exactly: as cTILE if that is selected, otherwise as cVERT; grids
+ * of more than three time steps always as cVERT. Grids that compression would not make smaller are left to Embree's own
+ * kernels, and so are meshes with RTC_BUILD_QUALITY_REFIT, and with fewer than 256 primitives unless
+ * RTC_COMPRESSION_FLAG_SMALL_MESHES is set. The representation of a geometry is the first of these that is set:
  *
  * 1. the arguments of rtcSetGeometryCompression,
  * 2. the device string, for example "subdiv_accel=cbvh.leaf,cbvh_frame_level=2",

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Moving mesh blocks are lossless at every time step, and boxes contain their groups. A second decoder, written from
- * docs/formats/mesh.md, must agree. Rigid motion needs few bytes. */
+ * docs/formats/mesh.md, must agree. Rigid motion needs few bytes. Moving mesh tiles have the same triangles at all
+ * steps, and become such blocks again. */
 
-#include "kernels/cvert/decoder/decoded_mesh.h"
+#include "kernels/cvert/conversion/moving_mesh_tile_conversion.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
 #include "codec/format_pages.h"
 #include "support/moving_mesh.h"
@@ -120,9 +121,65 @@ private:
 
 bool areEqual(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
 
-void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks) {
+// Returns false if the block has no tile.
+bool expectTile(const EncodedBlock& encoded) {
+  const MeshHeader* const block = encoded.block();
+  const uint32_t numSteps = motionOfMesh(block).numSteps;
+  std::vector<uint32_t> memory(maxBytesOfMovingMeshTile(numSteps) / 4 + meshTileReadPadding / 4);
+  const MeshTileHeader* const tile = (const MeshTileHeader*)memory.data();
+  const size_t bytes = std::make_unique<MovingMeshTileWriter>()->write(block, (uint8_t*)memory.data());
+  if (bytes == 0) return false;
+  EXPECT_LE(bytes, maxBytesOfMovingMeshTile(numSteps));
+  EXPECT_EQ(tile->bytes, bytes);
+  EXPECT_TRUE(isMeshTile(tile) && isMovingMeshTile(tile));
+  EXPECT_EQ(motionOfMeshTile(tile).begin, 0.25f);
+  EXPECT_EQ(motionOfMeshTile(tile).end, 0.75f);
+  EXPECT_EQ(motionOfMeshTile(tile).numSteps, numSteps);
+  const MeshTileView first(meshTileOfStep(tile, 0));
+  for (uint32_t step = 0; step < numSteps; step++) {
+    const auto decoded = std::make_unique<DecodedMesh>(block, step);
+    const MeshTileView view(meshTileOfStep(tile, step));
+    for (uint32_t g = 0, i = 0; g < first.groups; g++)
+      for (uint32_t t = 0; t < first.triangles(g); t++, i++) {
+        EXPECT_EQ(first.number(g, t), decoded->numbers[i]);
+        for (uint32_t c = 0; c < 3; c++) {
+          float p[3];
+          view.vertex(g, first.corner(g, t, c), p);
+          for (uint32_t k = 0; k < 3; k++) {
+            EXPECT_EQ(p[k], decoded->vertices[decoded->triangles[i][c]][k]) << "step " << step;
+            const double spacing = double(meshSpacing(view.tile->spacings, k)),
+                         unit = std::ldexp(spacing, int((view.tile->meshInfo >> (4 * k)) & 15u)),
+                         origin = double(view.tile->origin[k]);
+            EXPECT_LE(origin + unit * view.plane(g, k), double(p[k]));
+            EXPECT_GE(origin + unit * (view.plane(g, 3 + k) + 1), double(p[k]));
+          }
+        }
+      }
+  }
+  // Groups may share other vertices than before if several have the same positions.
+  std::vector<uint32_t> again(MeshMotionEncoder::maxBytes(numSteps) / 4 + 1);
+  const MeshHeader* const second = (const MeshHeader*)again.data();
+  const size_t size = movingMeshOfTile(tile, *std::make_unique<MeshMotionEncoder>(), (uint8_t*)again.data());
+  EXPECT_LE(double(size), 1.1 * double(encoded.size()));
+  EXPECT_EQ(validateMesh(second, second->bytes).message(), "");
+  for (uint32_t step = 0; step < numSteps; step++) {
+    const auto a = std::make_unique<DecodedMesh>(block, step), b = std::make_unique<DecodedMesh>(second, step);
+    EXPECT_EQ(a->numTriangles, b->numTriangles);
+    for (uint32_t i = 0; i < a->numTriangles; i++) {
+      EXPECT_EQ(a->numbers[i], b->numbers[i]);
+      for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t k = 0; k < 3; k++)
+          EXPECT_EQ(a->vertices[a->triangles[i][c]][k], b->vertices[b->triangles[i][c]][k]);
+    }
+  }
+  return true;
+}
+
+// tiles: receives the number of blocks that have a tile.
+void expectMesh(const MovingMesh& mesh, const std::vector<EncodedBlock>& blocks, size_t* tiles = nullptr) {
   size_t count = 0;
   for (const EncodedBlock& encoded : blocks) {
+    if (expectTile(encoded) && tiles) ++*tiles;
     const MeshHeader* const block = encoded.block();
     ASSERT_EQ(validateMesh(block, encoded.size()).message(), "");
     ASSERT_EQ(block->bytes, encoded.size());
@@ -190,13 +247,15 @@ TEST(MeshMotion, SheetsRoundTripAtEveryStep) {
   Random random(seed);
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
+  size_t tiles = 0;
   for (int i = 0; i < 200; i++) {
     const MovingMesh mesh = sheetOfSeries(random, i);
-    expectMesh(mesh, encode(*encoder, mesh, anyGroupTriangles(random), statistics));
+    expectMesh(mesh, encode(*encoder, mesh, anyGroupTriangles(random), statistics), &tiles);
     if (HasFatalFailure()) FAIL() << "sheet " << i;
   }
   EXPECT_GT(statistics.rankAxes, 30u);
   EXPECT_GT(statistics.shearedBlocks, 30u);
+  EXPECT_GT(tiles, 100u);
 }
 
 TEST(MeshMotion, DifficultMeshesRoundTrip) {

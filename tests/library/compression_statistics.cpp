@@ -167,8 +167,8 @@ TEST(CompressionStatistics, IgnoreDisabledSurfaces) {
 }
 
 TEST(CompressionStatistics, CountMovingGeometry) {
-  for (RTCCompression compression :
-       {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF, RTC_COMPRESSION_CVERT}) {
+  for (RTCCompression compression : {RTC_COMPRESSION_CGRID, RTC_COMPRESSION_CVOXEL, RTC_COMPRESSION_CLEAF,
+                                     RTC_COMPRESSION_CVERT, RTC_COMPRESSION_CTILE}) {
     Device device;
     SurfaceSettings settings;
     Scene scene(device);

@@ -199,6 +199,31 @@ TEST(MemoryBudget, Files) {
   }
 }
 
+// Blocks of few quads, and those of moving surfaces, stay in their file, whose bytes do not count.
+TEST(MemoryBudget, FilesWithoutTiles) {
+  const Folder folder;
+  Device device("subdiv_accel=cbvh.vert");
+  for (bool moves : {false, true}) {
+    SurfaceSettings settings;
+    settings.rate = moves ? 90.0f : 7.0f;
+    settings.timeSteps = moves ? 3 : 1;
+    const RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+    Scene blocks(device);
+    attach(blocks, geometry);
+    rtcCommitScene(blocks);
+    const std::string path = folder / (moves ? "moving" : "small");
+    ASSERT_TRUE(saveGeometryFile(geometry, path.c_str())) << cbvhGetErrorText();
+    const RTCCompressionStatistics s = statisticsOf(blocks);
+    Device limited(limitOf(s.topLevelBytes + s.leafBytes / 2));
+    Scene loaded(limited);
+    attach(loaded, loadGeometryFile(limited, path.c_str()));
+    rtcCommitScene(loaded);
+    EXPECT_EQ(limited.takeError(), RTC_ERROR_NONE) << limited.message;
+    EXPECT_EQ(bytesOf(loaded), bytesOf(blocks));
+    ASSERT_NO_FATAL_FAILURE(expectSameHits(blocks, loaded));
+  }
+}
+
 TEST(MemoryBudget, Values) {
   for (const char* value : {"1", "512M", "512m", "1.5G", "2K", "123456789"}) {
     Device device("subdiv_accel=cbvh,cbvh_memory=" + std::string(value));

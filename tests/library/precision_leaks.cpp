@@ -3,7 +3,7 @@
 
 /* Rays from inside closed surfaces hit at every precision of cVERT, and have the same hits in tiles: to the bit, unless
  * they meet a vertex or edge between blocks, where the order of blocks decides which of its triangles is reported. The
- * surfaces are cages, grids, quads and triangles, static and moving (without tiles). Rays aim at stored vertices and
+ * surfaces are cages, grids, quads and triangles, static and moving. Rays aim at stored vertices and
  * edges, straight on and grazing. Embree's robust kernel decides which points are inside.
  *
  * CBVH_AIMED_RAYS sets the number of rays for each precision, for example 10000000, and CBVH_AIMED_ISA the instruction
@@ -231,10 +231,10 @@ void expectNoLeaks(double partOfEdge) {
     RTCGeometry geometry = newGeometry(device, surface, RTC_COMPRESSION_CVERT, partOfEdge);
     Scene scene(device), tiles(device);
     rtcAttachGeometry(scene, geometry);
-    if (!surface.moves) attach(tiles, newGeometry(device, surface, RTC_COMPRESSION_CTILE, partOfEdge));
+    attach(tiles, newGeometry(device, surface, RTC_COMPRESSION_CTILE, partOfEdge));
     rtcCommitScene(scene);
     rtcCommitScene(tiles);
-    if (!surface.moves) ASSERT_NE(nodeAndLeafBytes(tiles), nodeAndLeafBytes(scene)) << "no tiles";
+    ASSERT_NE(nodeAndLeafBytes(tiles), nodeAndLeafBytes(scene)) << "no tiles";
     ASSERT_GT(statisticsOf(scene).numQuads, 0u);
     ASSERT_EQ(statisticsOf(scene).maxVertexDeviation == 0, partOfEdge == 0);
     ASSERT_TRUE(pointsOutwards(scene));
@@ -248,8 +248,7 @@ void expectNoLeaks(double partOfEdge) {
       LeakSettings settings;
       settings.rays = raysOfRun;
       settings.seed = random.bits();
-      const TracerAt inTiles(tiles, time, inPackets),
-          tracer(scene, time, inPackets, surface.moves ? nullptr : &inTiles);
+      const TracerAt inTiles(tiles, time, inPackets), tracer(scene, time, inPackets, &inTiles);
       const LeakCounts counts = countLeaks(judge, tracer, stored.points, settings, threadCount(0));
       rays += counts.rays;
       aimed += counts.aimed;

@@ -273,6 +273,48 @@ TEST_P(TileSurfaces, IrregularMeshes) {
   }
 }
 
+TEST_P(TileSurfaces, MovingIrregularMeshes) {
+  for (double lattice : {1.0 / 64, 0.0})
+    for (NamedMesh& named : irregularMeshes(random, lattice)) {
+      SCOPED_TRACE(named.name);
+      std::vector<RTCRayHit> at = rays(2000);
+      const std::vector<RTCRayHit> next = raysNextToVertices(random, named.mesh.vertices, 1000);
+      at.insert(at.end(), next.begin(), next.end());
+      for (size_t i = 0; i < at.size(); i++) at[i].ray.time = i < 2500 ? float(random.uniform()) : 0.0f;
+      for (unsigned timeSteps : {2u, 4u}) {
+        named.mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.1 * step); };
+        ASSERT_NO_FATAL_FAILURE(expectEqual(at, 500, [&](RTCScene scene, RTCCompression compression) {
+          attach(scene, newMesh(device, named.mesh, compression, 0, timeSteps));
+        }));
+      }
+    }
+}
+
+TEST_P(TileSurfaces, MovingLargeSmallAndFlatSurfaces) {
+  const Diced ball = dicedBall(2, 20);
+  for (float scale : {1e-36f, 1e-6f, 1.0f, 1e6f, 1e17f}) {
+    SCOPED_TRACE(scale);
+    Displacement displacement;
+    displacement.scale = scale;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.rate = 20;
+    settings.timeSteps = 3;
+    settings.motion = [](const Vec& p, unsigned i) { return i == 1 ? Vec{p[0], p[1], 0.0f} : twisted(p, 0.3 * i); };
+    std::vector<RTCRayHit> scaled = timedRays(random, 3000);
+    for (RTCRayHit& r : scaled)
+      for (float* x : {&r.ray.org_x, &r.ray.org_y, &r.ray.org_z}) *x *= scale;
+    ASSERT_NO_FATAL_FAILURE(expectEqualCages(cubeCage(), settings, scaled, 100));
+    DicedMesh irregular = irregularTriangles(meshOf(ball, QuadOrder::Shuffled, random), random);
+    for (Vec& p : irregular.vertices)
+      for (float& x : p) x *= scale;
+    irregular.motion = [](const Vec& p, unsigned i) { return i == 1 ? Vec{2 * p[0], p[1], p[2]} : p; };
+    ASSERT_NO_FATAL_FAILURE(expectEqual(scaled, 100, [&](RTCScene scene, RTCCompression compression) {
+      attach(scene, newMesh(device, irregular, compression, 0, 3));
+    }));
+  }
+}
+
 // Many tiles are below nodes of 16 children, alone and next to other leaves, also to those that need Embree's nodes.
 TEST_P(TileSurfaces, ManySurfaces) {
   std::vector<Displacement> displacements(60);
@@ -375,6 +417,8 @@ TEST_P(TileSurfaces, FilesContainBlocks) {
         return newSurface(device, cubeCage(), moving);
       },
       [&](RTCCompression compression) { return newMesh(device, mesh, compression, 0, 4); },
+      [&](RTCCompression compression) { return newMesh(device, irregular, compression, 0, 3); },
+      [&](RTCCompression compression) { return newMesh(device, irregularQuad, compression, 0, 2); },
       [&](RTCCompression compression) { return newGrids(device, ball, compression); },
       [&](RTCCompression compression) { return newMesh(device, mesh, compression); },
       [&](RTCCompression compression) { return newMesh(device, irregular, compression); },

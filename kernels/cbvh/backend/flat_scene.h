@@ -34,7 +34,7 @@ struct FlatMovingNode {
 /*! A compressed block, a tile, or a grid of GRID. */
 struct FlatBlock {
   const void* data;   //!< aligned to 16 bytes
-  const void* source; //!< identifies the block in its surface: data, or the mesh tile that it was made from
+  const void* source; //!< identifies the block in its surface: data, or the tile that it was made from
   uint32_t bytes;
   /*! Type of references to the block (base/reference.h); gridLeafReferenceType for a grid. */
   uint32_t type;
@@ -78,7 +78,7 @@ struct FlatTree {
 struct FlatScene {
   uint32_t version;
   bool isRobust;     //!< the scene has RTC_SCENE_FLAG_ROBUST
-  bool hasOwnBlocks; //!< blocks that were made from mesh tiles
+  bool hasOwnBlocks; //!< blocks that were made from tiles
   FlatTree staticTree, movingTree;
 
   FlatNode* nodes;

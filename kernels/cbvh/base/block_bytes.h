@@ -35,7 +35,8 @@ struct BlockBytes {
   }
   BlockBytes(const MeshTileHeader* tile, size_t size) {
     const uint32_t groups = meshGroups(tile->counts);
-    set(meshTilePlanes(groups, 0), meshTileGroups(groups), size);
+    const size_t begin = size_t((const uint8_t*)meshTileOfStep(tile, 0) - (const uint8_t*)tile);
+    set(begin + meshTilePlanes(groups, 0), begin + meshTileGroups(groups), size);
   }
 
   /*! sums: CompressionStatistics. */

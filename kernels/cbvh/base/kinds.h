@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Kinds of blocks: the paper's cGRID, cVOXEL and cLEAF, whose blocks have frames (local coordinate systems), cVERT, and
- * cTILE, which stores the blocks of cVERT at rest as tiles (cvert/format/tile.h).
+ * cTILE, which stores the blocks of cVERT as tiles (cvert/format/tile.h).
  * Blocks with frames store the number of their kind (paper/block.h), which also determines references (reference.h)
  * and values of RTCCompression: numbers must not change. Compiled as C++ and GLSL.
  *

@@ -66,19 +66,24 @@ inline BlockRow rowOf(BlockType type) {
         });
   case TILE_BLOCK:
     return BlockRow(
-        offsetof(VertHeader, surface), offsetof(VertHeader, primID), vertCache, 0,
+        offsetof(VertHeader, surface), offsetof(VertHeader, primID), vertCache, vertCache,
         [](const void* tile) {
           return isMeshTile(tile) ? ((const MeshTileHeader*)tile)->bytes : tileBytes((const VertHeader*)tile);
         },
-        [](const void* tile) { return !isMeshTile(tile) && isMoving(((const VertHeader*)tile)->info); },
-        [](const void* tile) { return motionOf((const VertHeader*)tile); },
+        [](const void* tile) {
+          return isMeshTile(tile) ? isMovingMeshTile((const MeshTileHeader*)tile)
+                                  : isMoving(((const VertHeader*)tile)->info);
+        },
+        [](const void* tile) {
+          return isMeshTile(tile) ? motionOfMeshTile((const MeshTileHeader*)tile) : motionOf((const VertHeader*)tile);
+        },
         [](const void* tile) {
           return !isMeshTile(tile) && tileVertexBytes((const VertHeader*)tile) == tileFloatBytes;
         },
         [](const void* tile) { // back ends decode moving blocks and mesh blocks, see flat_scene.cpp
-          return isMeshTile(tile)                            ? meshBlockReferenceType
-                 : isMoving(((const VertHeader*)tile)->info) ? movingBlockReferenceType
-                                                             : blockReferenceType(kindTile);
+          if (isMeshTile(tile))
+            return isMovingMeshTile((const MeshTileHeader*)tile) ? numReferenceTypes : meshBlockReferenceType;
+          return isMoving(((const VertHeader*)tile)->info) ? movingBlockReferenceType : blockReferenceType(kindTile);
         });
   case MESH_BLOCK:
     return BlockRow(

@@ -148,19 +148,22 @@ bool isPresent(const StoredBlock& block, const TraversalTime& time) {
   case FRAMED_BLOCK: return true;
   case VERT_BLOCK:
   case TILE_BLOCK: return VerticesAtTime::isPresent(block.vert(), time);
-  case MESH_BLOCK: return block.isMeshTile() || MeshAtTime::isPresent(block.mesh(), time);
+  case MESH_BLOCK:
+    return block.isMeshTile() ? MeshTileAtTime::isPresent(block.meshTile(), time)
+                              : MeshAtTime::isPresent(block.mesh(), time);
   }
   return false;
 }
 
 /*! Calls closure(number, corners) for each triangle of a mesh tile. */
 template<typename Closure>
-void forEachTriangle(const MeshTileView& tile, const Closure& closure) {
-  for (uint32_t g = 0; g < tile.groups; g++)
-    for (uint32_t t = 0; t < tile.triangles(g); t++) {
+void forEachTriangle(const MeshTileAtTime& tile, const Closure& closure) {
+  const MeshTileView& view = tile.first;
+  for (uint32_t g = 0; g < view.groups; g++)
+    for (uint32_t t = 0; t < view.triangles(g); t++) {
       float corners[3][3];
-      for (uint32_t c = 0; c < 3; c++) tile.vertex(g, tile.corner(g, t, c), corners[c]);
-      closure(tile.number(g, t), corners);
+      for (uint32_t c = 0; c < 3; c++) tile.vertex(g, view.corner(g, t, c), corners[c]);
+      closure(view.number(g, t), corners);
     }
 }
 
@@ -168,7 +171,7 @@ void forEachTriangle(const MeshTileView& tile, const Closure& closure) {
  *  primitive. */
 template<typename Closure>
 void forEachMeshTriangle(const StoredBlock& block, const TraversalTime& time, const Closure& closure) {
-  if (block.isMeshTile()) return forEachTriangle(MeshTileView(block.meshTile()), closure);
+  if (block.isMeshTile()) return forEachTriangle(MeshTileAtTime(block.meshTile(), time), closure);
   const MeshAtTime mesh(block.mesh(), time);
   for (uint32_t g = 0; g < mesh.view.groups; g++) {
     const DecodedMeshGroup group = mesh.group(g);
@@ -448,7 +451,7 @@ BlockIndex::BlockIndex(const SurfaceBlocks& surface) {
         add(primitiveOfMesh(block->info, view.number(g, t)), i);
   };
   auto addMeshTile = [&](const MeshTileHeader* tile, size_t i) {
-    const MeshTileView view(tile);
+    const MeshTileView view(meshTileOfStep(tile, 0));
     for (uint32_t g = 0; g < view.groups; g++)
       for (uint32_t t = 0; t < view.triangles(g); t++) add(primitiveOfMesh(tile->meshInfo, view.number(g, t)), i);
   };

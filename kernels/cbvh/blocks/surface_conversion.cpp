@@ -10,7 +10,7 @@
 #include "../base/resize_to_fit.h"
 #include "../base/thread_cache.h"
 #include "../../cvert/decoder/decoded_block.h"
-#include "../../cvert/conversion/mesh_tile_conversion.h"
+#include "../../cvert/conversion/moving_mesh_tile_conversion.h"
 #include "../../cvert/conversion/tile_conversion.h"
 #include "block_table.h"
 #include "tree.h"
@@ -64,9 +64,9 @@ private:
   /*! Returns false if the block remains as it is. */
   bool addConverted(const VertHeader* block, BlockType type) {
     if (form == TILE_BLOCK ? type == TILE_BLOCK || !isBlockValid(block, type) : type != TILE_BLOCK) return false;
-    if (form != TILE_BLOCK && isMeshTile(block)) return addMesh((const MeshTileHeader*)block);
     const bool moves = rowOf(type).moves(block);
-    if (moves) return type != MESH_BLOCK && addMoving(block);
+    if (form != TILE_BLOCK && isMeshTile(block)) return addMesh((const MeshTileHeader*)block, moves);
+    if (moves) return type == MESH_BLOCK ? addMovingMeshTile((const MeshHeader*)block) : addMoving(block);
     if (form != TILE_BLOCK) {
       const size_t size = blockOfTile(block, blockEncoder, store.reserve(maxBlockBytesOfTile));
       return add(block, tileBytes(block), size);
@@ -79,6 +79,7 @@ private:
   }
 
   bool addMoving(const VertHeader* block) {
+    if (form == TILE_BLOCK && vertQuadsX(block->region) * vertQuadsY(block->region) < minTileQuads) return false;
     uint8_t* const bytes = store.reserve(maxBytesOfMovingForms(motionOf(block).numSteps));
     MotionStatistics unused;
     size_t size;
@@ -102,11 +103,28 @@ private:
     return true;
   }
 
-  bool addMesh(const MeshTileHeader* tile) {
-    uint8_t* const block = store.reserve(MeshEncoder::maxBytes);
-    const size_t size = meshOfTile(tile, meshEncoder, block);
+  bool addMovingMeshTile(const MeshHeader* block) {
+    if (!movingMeshTileWriter) movingMeshTileWriter.reset(new MovingMeshTileWriter);
+    uint8_t* const bytes = store.reserve(maxBytesOfMovingMeshTile(motionOfMesh(block).numSteps));
+    const size_t size = movingMeshTileWriter->write(block, bytes);
+    if (size == 0) return false;
+    const MeshTileHeader* const tile = (const MeshTileHeader*)bytes;
+    BlockBytes(block, block->bytes).removeFrom(changes);
+    BlockBytes(tile, size).addTo(changes);
+    changes.motionBytes += size_t(laterStepBytes(tile)) - size_t(laterStepBytes(block));
+    store.commit(size, BBox3fa(empty), TILE_BLOCK, meshTileReadPadding);
+    return true;
+  }
+
+  bool addMesh(const MeshTileHeader* tile, bool moves) {
+    uint8_t* const block = store.reserve(moves ? MeshMotionEncoder::maxBytes(motionOfMeshTile(tile).numSteps)
+                                               : size_t(MeshEncoder::maxBytes));
+    if (moves && !meshMotionEncoder) meshMotionEncoder.reset(new MeshMotionEncoder);
+    const size_t size =
+        moves ? movingMeshOfTile(tile, *meshMotionEncoder, block) : meshOfTile(tile, meshEncoder, block);
     BlockBytes(tile, tile->bytes).removeFrom(changes);
     BlockBytes((const MeshHeader*)block, size).addTo(changes);
+    changes.motionBytes += size_t(laterStepBytes((const MeshHeader*)block)) - size_t(laterStepBytes(tile));
     store.commit(size, BBox3fa(empty), MESH_BLOCK, vertReadPadding);
     return true;
   }
@@ -129,8 +147,10 @@ private:
   TileEncoder tileEncoder;
   VertEncoder blockEncoder;
   MeshEncoder meshEncoder;
-  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving block, as the next
+  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving block, as the next ones
   std::unique_ptr<MovingTileEncoder> movingTileEncoder;
+  std::unique_ptr<MeshMotionEncoder> meshMotionEncoder;
+  std::unique_ptr<MovingMeshTileWriter> movingMeshTileWriter;
   std::vector<size_t*> stored;
 };
 
@@ -188,6 +208,13 @@ static std::vector<size_t> leavesOf(const SurfaceBlocks& surface) {
   return leaves;
 }
 
+static size_t stepsOf(const SurfaceBlocks& surface) {
+  if (surface.moving.empty()) return 1;
+  size_t type;
+  const void* const block = BVH4::NodeRef(surface.moving.front()).leaf(type);
+  return rowOf(BlockType(type)).motion(block).numSteps;
+}
+
 bool isConvertible(const SurfaceBlocks& surface) { return surface.types != 0 && !(surface.types & ~exactTypes); }
 
 std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::shared_ptr<const SurfaceBlocks>& from,
@@ -201,11 +228,17 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
   to->numPrimRefs = from->numPrimRefs;
   to->statistics = from->statistics;
   std::vector<size_t> leaves = leavesOf(*from);
-  if (hasTree) {
+  if (hasTree || !from->moving.empty()) {
     const size_t expected = form == TILE_BLOCK ? expectedTileBytes : expectedTileBytes / 2;
-    to->memory.reserve(leaves.size() * expected, from->statistics.sums.topLevelBytes);
+    to->memory.reserve(leaves.size() * expected * stepsOf(*from), from->statistics.sums.topLevelBytes);
   }
   convertLeaves(device, *to, form, leaves, progress);
+  for (size_t ref : leaves) {
+    size_t type;
+    BVH4::NodeRef(ref).leaf(type);
+    to->types |= 1u << type;
+  }
+  if (form == TILE_BLOCK && formOf(*to) != form) return from; // no block has a tile
   if (hasTree) {
     TreeCopy tree(*to->memory.pool(), leaves);
     const BVH4::NodeRef root = tree.copy(from->root);
@@ -218,11 +251,6 @@ std::shared_ptr<const SurfaceBlocks> convertSurface(Device* device, const std::s
   } else {
     resizeToFit(to->parts, leaves.size());
     for (size_t i = 0; i < leaves.size(); i++) to->parts[i] = PrimRef(from->parts[i].bounds(), leaves[i]);
-  }
-  for (size_t ref : leaves) {
-    size_t type;
-    BVH4::NodeRef(ref).leaf(type);
-    to->types |= 1u << type;
   }
   to->otherFormBytes = from->statistics.sums.allBytes();
   to->finish();
@@ -242,9 +270,9 @@ size_t bytesInOtherForm(Device* device, const SurfaceBlocks& surface) {
   BlockMemory memory(device);
   const std::unique_ptr<LeafConverter> converter(new LeafConverter(device, memory, form, true)); // large
   for (size_t& ref : sample) converter->convert(ref);
-  const double added = double(converter->addedBytes()) / double(max(sample.size(), size_t(1)));
-  const double bytes =
-      added != 0 ? double(surface.statistics.sums.allBytes()) + added * double(leaves.size()) : surface.bytes();
+  if (converter->addedBytes() == 0) return surface.bytes(); // no block of the sample has another form
+  const double added = double(converter->addedBytes()) / double(sample.size()),
+               bytes = double(surface.statistics.sums.allBytes()) + added * double(leaves.size());
   return surface.otherFormBytes = size_t(max(1.0, bytes));
 }
 } // namespace embree::cbvh

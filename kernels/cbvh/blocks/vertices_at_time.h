@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* Vertices of a cVERT or mesh block at a time, without SIMD. Traversal computes the same floats if
+/* Vertices of a cVERT block, mesh block or tile at a time, without SIMD. Traversal computes the same floats if
  * TraversalTime::isFused fits the device. */
 
 #include "../base/codec_names.h"
 #include "../../cvert/decoder/decoded_block.h"
 #include "../../cvert/decoder/decoded_mesh.h"
+#include "../../cvert/decoder/mesh_tile_view.h"
 #include "stored_triangles.h"
 #include <cmath>
 #include <memory>
@@ -20,7 +21,7 @@ inline float interpolate(float a, float b, float f, bool isFused) {
   return isFused ? std::fma(1.0f - f, a, last) : (1.0f - f) * a + last;
 }
 
-/*! All vertices of a cVERT block, row by row. The block must exist at that time. */
+/*! All vertices of a cVERT block or tile, row by row. The block must exist at that time. */
 class VerticesAtTime {
 public:
   float vertices[DecodedBlock::maxSide * DecodedBlock::maxSide][3];
@@ -86,5 +87,38 @@ private:
   const bool isFused;
   float fraction;
   std::unique_ptr<const MeshStepView> before, after; //!< null without motion; `before` also in the first segment
+};
+
+/*! Vertices of a mesh tile. */
+class MeshTileAtTime {
+public:
+  const MeshTileView first; //!< corners and numbers
+
+  /*! The tile must exist then, and must outlive this object. */
+  MeshTileAtTime(const MeshTileHeader* tile, const TraversalTime& at)
+    : first(meshTileOfStep(tile, 0)),
+      isFused(at.isFused),
+      in(isMovingMeshTile(tile) ? timeInMotion(motionOfMeshTile(tile), at.time) : TimeInMotion{0, 0.0f}),
+      before(meshTileOfStep(tile, in.segment)),
+      after(meshTileOfStep(tile, isMovingMeshTile(tile) ? in.segment + 1 : 0)) {}
+
+  /*! Also true if the tile does not move. */
+  static bool isPresent(const MeshTileHeader* tile, const TraversalTime& at) {
+    return !isMovingMeshTile(tile) || cbvh::isPresent(motionOfMeshTile(tile), at.time);
+  }
+
+  /*! v: index in group g. */
+  void vertex(uint32_t g, uint32_t v, float out[3]) const {
+    before.vertex(g, v, out);
+    if (after.tile == before.tile) return;
+    float end[3];
+    after.vertex(g, v, end);
+    for (int k = 0; k < 3; k++) out[k] = interpolate(out[k], end[k], in.fraction, isFused);
+  }
+
+private:
+  const bool isFused;
+  const TimeInMotion in;
+  const MeshTileView before, after;
 };
 } // namespace embree::cbvh

@@ -78,8 +78,10 @@ class CompressedBuilder : public Builder {
 
     bool isCage() const { return geometry->ownType == Geometry::GTY_SUBDIV_MESH; }
 
-    /*! True if the scene chooses between tiles and cVERT, also for surfaces of files. */
+    /*! True if the scene chooses between tiles and cVERT, also for surfaces of files. Moving surfaces stay cVERT: a
+     *  scene's static and moving surfaces are built at the same time, and could both take the same memory. */
     bool hasChosenForm() const {
+      if (plan.moves()) return false;
       const RTCCompression form = geometry->device->compression.compression;
       const bool mayBecomeTiles =
           blocks->mapped ? form == RTC_COMPRESSION_CTILE || form == RTC_COMPRESSION_INHERIT : plan.mayBecomeTiles();
@@ -262,11 +264,10 @@ private:
 
   /*! Estimates the bytes of nodes that a scene adds to those of its surfaces, if it has tiles. */
   static size_t expectedTreeBytes(const std::vector<Surface>& surfaces) {
-    const size_t bytesPerBlock = 96; // wide nodes at rest: measured 60 to 87 (docs/measurements.md)
+    const size_t bytesPerBlock = 96; // wide nodes: measured 60 to 87 (docs/measurements.md)
     size_t bytes = 0;
     for (const Surface& surface : surfaces)
-      bytes += surface.blocks->numPrimRefs * bytesPerBlock * (surface.plan.moves() ? 3 : 1) +
-               surface.blocks->parts.size() * sizeof(BVH4::AABBNode) / 2;
+      bytes += surface.blocks->numPrimRefs * bytesPerBlock + surface.blocks->parts.size() * sizeof(BVH4::AABBNode) / 2;
     return bytes;
   }
 
@@ -278,7 +279,7 @@ private:
   void buildTree(const std::vector<Surface>& surfaces) {
     listBlocks(surfaces);
     const size_t bytes = moves ? buildMotionTree() : buildTopLevel() * sizeof(BVH4::AABBNode);
-    treeBytes.set(bytes + buildWideTree(surfaces));
+    treeBytes.set(bytes + buildWideTree());
     buildIDsInTree = buildIDsOf(surfaces);
   }
 
@@ -310,17 +311,13 @@ private:
 
   CompressedTree& tree() const { return *(CompressedTree*)bvh; }
 
-  /*! Builds the tree of wide nodes if a surface is stored for speed, as tiles, and no blocks need the BVH4. Moving mesh
-   *  blocks have no tiles. Returns the bytes of its nodes. */
-  size_t buildWideTree(const std::vector<Surface>& surfaces) {
+  /*! Builds the tree of wide nodes if there are tiles, which are stored for speed, and no blocks that need the BVH4.
+   *  Returns the bytes of its nodes. */
+  size_t buildWideTree() {
     const uint32_t tile = 1u << cbvh::TILE_BLOCK, wide = tile | 1u << cbvh::VERT_BLOCK | 1u << cbvh::MESH_BLOCK;
     uint32_t types = 0;
-    bool isForSpeed = false;
-    for (const Surface& surface : surfaces) {
-      types |= surface.blocks->types;
-      isForSpeed |= (surface.blocks->types & tile) || (moves && surface.plan.makesTiles());
-    }
-    if (!isForSpeed || (types & ~wide)) return 0;
+    for (const auto& surface : report->surfaces) types |= surface->types;
+    if (!(types & tile) || (types & ~wide)) return 0;
     const BBox3fa bounds = bvh->bounds.bounds();
     if (moves) WideTreeBuilder<MovingWideTree>(bvh->root, bounds, tree().wideMoving);
     else WideTreeBuilder<StaticWideTree>(bvh->root, bounds, tree().wide);
@@ -360,8 +357,9 @@ private:
     const bool hasTiles = cbvh::formOf(blocks) == cbvh::TILE_BLOCK;
     line.addCompressed(surface.geometry, surface.geomID, hasTiles ? cbvh::Kind::CTILE : surface.plan.kind(),
                        blocks.statistics);
-    if (cbvh::isConvertible(blocks))
-      line.addOtherForm(hasTiles, blocks.statistics.sums.allBytes(), cbvh::bytesInOtherForm(scene->device, blocks));
+    if (!cbvh::isConvertible(blocks)) return;
+    const size_t other = cbvh::bytesInOtherForm(scene->device, blocks);
+    if (other != blocks.bytes()) line.addOtherForm(hasTiles, blocks.statistics.sums.allBytes(), other);
   }
 
   void reportCommit(const std::vector<Surface>& surfaces) const {

@@ -52,7 +52,7 @@ public:
       rejected[{namesOf(geometry).primitives, geometry->surface.rejectionReason}] += geometry->size();
   }
 
-  /*! Counts a surface at rest that could have another form. bytes: now. otherBytes: in that form, an estimate. */
+  /*! Counts a surface that could have another form. bytes: now. otherBytes: in that form, an estimate. */
   void addOtherForm(bool hasTiles, size_t bytes, size_t otherBytes) {
     (hasTiles ? tiles : blocks) += bytes;
     (hasTiles ? tilesAsBlocks : blocksAsTiles) += otherBytes;

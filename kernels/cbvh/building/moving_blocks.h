@@ -12,6 +12,7 @@
 #include "../../cvert/portable/world.h"
 #include "../../cvert/decoder/decoded_block.h"
 #include "../../cvert/decoder/decoded_mesh.h"
+#include "../../cvert/decoder/mesh_tile_view.h"
 #include "../blocks/surface_blocks.h"
 #include <algorithm>
 #include <memory>
@@ -110,8 +111,13 @@ private:
         origin = ((const cbvh::MeshHeader*)block)->origin;
         break;
       case cbvh::TILE_BLOCK:
+        if (cbvh::isMeshTile(block)) {
+          decodeMeshTile((const cbvh::MeshTileHeader*)block, segments, boxes);
+          origin = cbvh::meshTileOfStep((const cbvh::MeshTileHeader*)block, 0)->origin;
+          break;
+        }
         for (unsigned s = 0; s <= segments; s++) boxes[s] = boundStep((const cbvh::VertHeader*)block, s);
-        origin = ((const cbvh::VertHeader*)block)->origin;
+        origin = cbvh::tileOfStep((const cbvh::VertHeader*)block, 0)->origin;
         break;
       case cbvh::FRAMED_BLOCK: throw_RTCError(RTC_ERROR_UNKNOWN, "a block with a frame moves");
       }
@@ -124,16 +130,31 @@ private:
     static void decodeMesh(const cbvh::MeshHeader* block, unsigned segments, cbvh::StepBox* boxes) {
       for (unsigned s = 0; s <= segments; s++) {
         const cbvh::DecodedMesh mesh(block, s);
-        cbvh::StepBox box = {{pos_inf, pos_inf, pos_inf}, {neg_inf, neg_inf, neg_inf}};
-        for (uint32_t v = 0; v < mesh.numVertices; v++) {
-          const float(&p)[3] = mesh.vertices[v];
-          if (!cbvh::isFinite(p)) continue; // the block is damaged
-          for (int k = 0; k < 3; k++) {
-            box.lower[k] = min(box.lower[k], p[k]);
-            box.upper[k] = max(box.upper[k], p[k]);
+        boxes[s] = emptyBox();
+        for (uint32_t v = 0; v < mesh.numVertices; v++) extend(boxes[s], mesh.vertices[v]);
+      }
+    }
+
+    static void decodeMeshTile(const cbvh::MeshTileHeader* tile, unsigned segments, cbvh::StepBox* boxes) {
+      for (unsigned s = 0; s <= segments; s++) {
+        const cbvh::MeshTileView step(cbvh::meshTileOfStep(tile, s));
+        boxes[s] = emptyBox();
+        for (uint32_t g = 0; g < step.groups; g++)
+          for (uint32_t v = 0; v < cbvh::tileGroupVertices(step.record(g)); v++) {
+            float p[3];
+            step.vertex(g, v, p);
+            extend(boxes[s], p);
           }
-        }
-        boxes[s] = box;
+      }
+    }
+
+    static cbvh::StepBox emptyBox() { return {{pos_inf, pos_inf, pos_inf}, {neg_inf, neg_inf, neg_inf}}; }
+
+    static void extend(cbvh::StepBox& box, const float (&p)[3]) {
+      if (!cbvh::isFinite(p)) return; // the block is damaged
+      for (int k = 0; k < 3; k++) {
+        box.lower[k] = min(box.lower[k], p[k]);
+        box.upper[k] = max(box.upper[k], p[k]);
       }
     }
 

@@ -72,10 +72,10 @@ public:
 
   std::shared_ptr<const SurfaceBlocks> build(const Progress& progress) override {
     std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device, number);
-    const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0;
+    const size_t meshBlocks = irregular ? irregular->estimateBlocks() : 0, steps = plan.numTimeSteps;
     const size_t bytes =
-        (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? cbvh::expectedTileBytes : expectedBlockBytes) +
-        meshBlocks * (plan.makesTiles() ? expectedMeshTileBytes : expectedMeshBlockBytes);
+        (estimatedBlocks - meshBlocks) * (plan.makesTiles() ? cbvh::expectedTileBytes * steps : expectedBlockBytes) +
+        meshBlocks * (plan.makesTiles() ? expectedMeshTileBytes * steps : expectedMeshBlockBytes);
     if (!isSmall()) blocks->memory.reserve(bytes, estimatedBlocks * sizeof(BVH4::AABBNode) / 2);
     source.prepare(perTask, progress);
     if (irregular) irregular->prepare(bordersOf(source, 0), progress);

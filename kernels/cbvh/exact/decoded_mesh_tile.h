@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* A mesh tile as PointSearch expects mesh blocks: boxes of groups, and a decoded group at a time. */
+/* A mesh tile, or a moving one at a time between two steps, as PointSearch expects mesh blocks: boxes of groups, and a
+ * decoded group at a time. */
 
-#include "cached_mesh.h"
-#include "mesh_tile_block.h"
+#include "moving_block.h"
 
 namespace embree::isa::cbvh {
+/*! tile: at rest, or a step of a moving one. */
 class DecodedMeshTile {
 public:
   explicit DecodedMeshTile(const MeshTileHeader* header) : tile(header), decoded(~0u) {
@@ -64,7 +65,7 @@ private:
     for (int k = 0; k < 3; k++)
       for (int j = 0; j < vectors; j++) vfloatV::store(group.vertices.at[k] + vectorWidth * j, at[k][j]);
     memset(group.corners, 0, sizeof(group.corners));
-    for (uint32_t t = 0; t < from.numTriangles; t++)
+    for (uint32_t t = 0; t < from.numTriangles && !(tile.info() & meshTileWithoutCorners); t++)
       for (uint32_t c = 0; c < 3; c++) group.corners[c][t] = from.corner(t, c);
     group.key = 0;
     group.hasNextHalf = false;
@@ -76,6 +77,44 @@ private:
   const MeshTileBlock tile;
   GroupBoxes groupBoxes;
   mutable uint32_t decoded; //!< group in `group`, or ~0
+  mutable MeshTriangles group;
+};
+
+class DecodedMovingMeshTile {
+public:
+  DecodedMovingMeshTile(const MeshTileHeader* tile, const TimeInMotion& at)
+    : first(meshTileOfStep(tile, 0)),
+      begin(meshTileOfStep(tile, at.segment)),
+      end(meshTileOfStep(tile, at.segment + 1)),
+      interpolator(at.fraction) {
+    groupBoxes = begin.boxes();
+    const GroupBoxes& last = end.boxes();
+    for (int k = 0; k < 3; k++) {
+      const float from = groupBoxes.origin[k], to = last.origin[k], extent = max(groupBoxes.extent[k], last.extent[k]);
+      groupBoxes.origin[k] = (1.0f - at.fraction) * from + at.fraction * to;
+      groupBoxes.extent[k] = extent + motionSlack(from, to, extent);
+      for (int side = 0; side < 2; side++)
+        interpolator.interpolate(groupBoxes.planes[k].at[side], last.planes[k].at[side], 16,
+                                 groupBoxes.planes[k].at[side]);
+    }
+  }
+
+  const GroupBoxes& boxes() const { return groupBoxes; }
+
+  const MeshTriangles& triangles(uint32_t g, uint32_t half) const {
+    group = first.triangles(g, half);
+    const MeshTriangles &from = begin.triangles(g, half), &to = end.triangles(g, half);
+    for (int k = 0; k < 3; k++)
+      interpolator.interpolate(from.vertices.at[k], to.vertices.at[k], 32, group.vertices.at[k]);
+    return group;
+  }
+
+  SurfacePoint point(uint32_t g, uint32_t index, float w1, float w2) const { return first.point(g, index, w1, w2); }
+
+private:
+  const DecodedMeshTile first, begin, end;
+  const Interpolator interpolator;
+  GroupBoxes groupBoxes;
   mutable MeshTriangles group;
 };
 } // namespace embree::isa::cbvh

@@ -33,6 +33,8 @@ struct MeshTileGroup {
 
 class MeshTileBlock {
 public:
+  typedef MeshTileGroup Group;
+
   __forceinline explicit MeshTileBlock(const MeshTileHeader* tile)
     : tile(tile),
       groups(meshGroups(tile->counts)),
@@ -54,7 +56,7 @@ public:
     at.numTriangles = tileGroupTriangles(record);
     at.cornerBits = tileGroupCornerBits(record);
     const uint8_t* array = bytes + uint16At(tile, meshTileOffset(groups, g));
-    const uint32_t cornerBytes = bytesOfFields(at.numTriangles, at.cornerBits);
+    const uint32_t cornerBytes = bytesOfCorners(tile->meshInfo, record);
     for (int c = 0; c < 3; c++, array += cornerBytes) at.corners[c] = array;
     for (uint32_t k = 0; k < 3; k++) {
       at.fieldBits[k] = tileGroupFieldBits(record, k);
@@ -64,6 +66,9 @@ public:
     }
     return at;
   }
+
+  /*! See pointOfMesh. */
+  __forceinline uint32_t info() const { return tile->meshInfo; }
 
   /*! Sets out[i] to the vertices of a group on axis axes[i], in world space. vectors: that contain all vertices. */
   template<int vectors>

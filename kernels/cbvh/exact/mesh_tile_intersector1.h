@@ -15,14 +15,45 @@ namespace embree::isa::cbvh {
  *  see tileSlackUlps. */
 static constexpr float meshTileShearedSlackUlps = shearedSlackUlps + (tileSlackUlps - slackUlps);
 
-/*! Boxes of the groups of a mesh tile that a ray may intersect. */
-class MeshTileBoxes {
+/*! Groups of a mesh tile whose boxes a ray enters. */
+class EnteredGroups {
 public:
   uint32_t mask;               //!< of groups
   alignas(64) float enter[16]; //!< lower bound of the entry distance, by group
 
+protected:
+  /*! negativeAxes: bit k is set if a ray enters boxes through the upper planes on axis k.
+   * distances(plane,j,axis,isFar): of the ray's entry into, or exit from, an array of planes (meshTilePlanes). isSafe:
+   * false if they could be NaN. */
+  template<typename Distances>
+  __forceinline void set(uint32_t groups, float tnear, float tfar, uint32_t negativeAxes, bool isSafe,
+                         const Distances& distances) {
+    const uint32_t lanes = (1u << groups) - 1u;
+    if (unlikely(!isSafe)) {
+      for (float& at : enter) at = tnear;
+      mask = lanes;
+      return;
+    }
+    vboolV hit[16 / vectorWidth];
+    for (int j = 0; j < 16 / vectorWidth; j++) {
+      vfloatV from(tnear), to(tfar);
+      for (uint32_t k = 0; k < 3; k++) {
+        const uint32_t negative = (negativeAxes >> k) & 1u;
+        from = max(from, distances(k + 3 * negative, j, k, false));
+        to = min(to, distances(k + 3 * (1 - negative), j, k, true));
+      }
+      vfloatV::store(enter + vectorWidth * j, from);
+      hit[j] = from <= to;
+    }
+    mask = movemasks(hit) & lanes;
+  }
+};
+
+/*! Of a mesh tile at rest. */
+class MeshTileBoxes : public EnteredGroups {
+public:
   __forceinline MeshTileBoxes(const VertRay& ray, const MeshTileHeader* tile, float tnear, float tfar) {
-    const uint32_t groups = meshGroups(tile->counts), info = tile->meshInfo, lanes = (1u << groups) - 1u;
+    const uint32_t groups = meshGroups(tile->counts), info = tile->meshInfo;
     const vint4 exponents(extend8(_mm_cvtsi32_si128(int(tile->spacings)))),
         shifts(int(info & 15u), int((info >> 4) & 15u), int((info >> 8) & 15u), 0);
     const vfloat4 unit = withoutFourth(asFloat((exponents + shifts) << 23));
@@ -46,11 +77,7 @@ public:
     }
     const vfloat4 scale = unit * rcp, offset = distance * rcp;
     // products that overflow could be NaN
-    if (unlikely(!all(vfloat4(257.0f) * abs(scale) + abs(offset) + slack < vfloat4(1e37f)))) {
-      for (float& at : enter) at = tnear;
-      mask = lanes;
-      return;
-    }
+    const bool isSafe = all(vfloat4(257.0f) * abs(scale) + abs(offset) + slack < vfloat4(1e37f));
     const vboolf4 isNegative = rcp < vfloat4(zero);
     const uint32_t negativeAxes = uint32_t(movemask(isNegative));
     // upper planes are after the byte
@@ -60,21 +87,9 @@ public:
     const vfloatV nears[3] = {broadcast<0>(near), broadcast<1>(near), broadcast<2>(near)};
     const vfloatV fars[3] = {broadcast<0>(far), broadcast<1>(far), broadcast<2>(far)};
     const uint8_t* const planes = (const uint8_t*)tile + meshTilePlanes(groups, 0);
-    vboolV hit[16 / vectorWidth];
-    for (int j = 0; j < 16 / vectorWidth; j++) {
-      vfloatV from(tnear), to(tfar);
-      for (uint32_t k = 0; k < 3; k++) {
-        const uint32_t negative = (negativeAxes >> k) & 1u;
-        const uint8_t *const nearPlanes = planes + groups * (k + 3 * negative), *const farPlanes =
-                                                                                    planes +
-                                                                                    groups * (k + 3 * (1 - negative));
-        from = max(from, madd(vfloatV(loadBytes(nearPlanes + vectorWidth * j)), scales[k], nears[k]));
-        to = min(to, madd(vfloatV(loadBytes(farPlanes + vectorWidth * j)), scales[k], fars[k]));
-      }
-      vfloatV::store(enter + vectorWidth * j, from);
-      hit[j] = from <= to;
-    }
-    mask = movemasks(hit) & lanes;
+    set(groups, tnear, tfar, negativeAxes, isSafe, [&](uint32_t plane, int j, uint32_t k, bool isFar) {
+      return madd(vfloatV(loadBytes(planes + groups * plane + vectorWidth * j)), scales[k], isFar ? fars[k] : nears[k]);
+    });
   }
 };
 
@@ -114,16 +129,15 @@ __forceinline auto cornersOf(const MeshTileCorners& corners, uint32_t n, int c) 
 }
 
 /*! A group in memory, for access to single triangles that a ray's line may pass through. A Cached of
- *  VertHitReporter. */
+ *  VertHitReporter. Tile: MeshTileBlock or MovingMeshTileBlock. */
+template<typename Tile>
 class MeshTileTriangles {
 public:
   static const bool isMesh = true; //!< see hits1.h
 
   uint32_t mask; //!< of the triangles
 
-  __forceinline MeshTileTriangles(const VertRay& ray, const MeshTileBlock& tile, uint32_t g)
-    : tile(tile),
-      group(tile.group(g)) {
+  __forceinline MeshTileTriangles(const VertRay& ray, const Tile& tile, uint32_t g) : tile(tile), group(tile.group(g)) {
     mask = group.numVertices <= 16 ? test<16>(ray) : likely(group.numVertices <= 24) ? test<24>(ray) : test<32>(ray);
   }
 
@@ -136,7 +150,7 @@ public:
 
   /*! See CachedMeshBlock::point. */
   __forceinline SurfacePoint point(uint32_t g, uint32_t index, float w1, float w2) const {
-    return pointOfMesh(tile.tile->meshInfo, tile.number(g, index), w1, w2);
+    return pointOfMesh(tile.info(), tile.number(g, index), w1, w2);
   }
 
 private:
@@ -145,7 +159,7 @@ private:
     const int vectors = ShearedMesh<capacity>::vectors;
     const int axes[3] = {ray.kx, ray.ky, ray.kz};
     vfloatV at[3][vectors];
-    tile.vertices<vectors>(group, axes, at);
+    tile.template vertices<vectors>(group, axes, at);
     const uint32_t hit = lanesHitByLine<capacity>(
                              ray, [&](int i, int j) { return at[i][j]; }, MeshTileCorners(group), lanes) &
                          (0xFFFFu >> (maxTileGroupTriangles - group.numTriangles));
@@ -155,31 +169,34 @@ private:
     return hit;
   }
 
-  const MeshTileBlock& tile;
-  const MeshTileGroup group;
+  const Tile& tile;
+  const typename Tile::Group group;
   alignas(64) float vertices[3][32]; //!< [axis][vertex]
   SidesInLanes lanes;
 };
 
-__forceinline VertTriangle triangleOf(const MeshTileTriangles& group, uint32_t, uint32_t index) {
+template<typename Tile>
+__forceinline VertTriangle triangleOf(const MeshTileTriangles<Tile>& group, uint32_t, uint32_t index) {
   return group.triangle(index);
 }
 
 /*! Intersects a ray with a mesh tile, the nearest groups first for closest hits. Target: see VertHitReporter. vertRay:
- *  as in intersectGroupBoxes. Returns true if a hit was accepted. */
-template<bool isAnyHit, typename Target>
+ *  as in intersectGroupBoxes. Returns true if a hit was accepted. Tile: MeshTileBlock or MovingMeshTileBlock. Boxes:
+ *  MeshTileBoxes or MovingMeshTileBoxes. at: a moving tile's TimeInMotion. */
+template<bool isAnyHit, typename Tile = MeshTileBlock, typename Boxes = MeshTileBoxes, typename Target, typename... At>
 __forceinline bool intersectGroupsOfTile(const Target& target, const VertRay& vertRay, NearestVertHit& nearest,
-                                         const MeshTileHeader* header) {
-  const MeshTileBoxes boxes(vertRay, header, target.tnear(), target.tfar());
+                                         const MeshTileHeader* header, const At&... at) {
+  const Boxes boxes(vertRay, header, target.tnear(), target.tfar(), at...);
   if (boxes.mask == 0) return false;
-  const MeshTileBlock tile(header);
+  const Tile tile(header, at...);
   bool found = false;
   for (uint32_t groups = boxes.mask; groups;) {
     const uint32_t g = isAnyHit ? popAny(groups) : popNearest(groups, boxes.enter);
     if (boxes.enter[g] > target.tfar()) continue;
-    const MeshTileTriangles triangles(vertRay, tile, g);
+    const MeshTileTriangles<Tile> triangles(vertRay, tile, g);
     if (triangles.mask == 0) continue;
-    VertHitReporter<Target, MeshTileTriangles> hits(target, vertRay, nearest, (const VertHeader*)header, triangles);
+    VertHitReporter<Target, MeshTileTriangles<Tile>> hits(target, vertRay, nearest, (const VertHeader*)header,
+                                                          triangles);
     if (!hits.report(g, triangles)) continue;
     if (isAnyHit) return true;
     found = true;

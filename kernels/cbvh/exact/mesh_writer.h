@@ -68,9 +68,10 @@ public:
     return stored;
   }
 
-  /*! bytes: size of the block without padding. */
-  static void addToStatistics(const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics) {
-    cbvh::BlockBytes(&header, bytes).addTo(statistics.sums);
+  /*! header: of a mesh block or mesh tile. bytes: its size without padding. */
+  template<typename Header>
+  static void addToStatistics(const Header* header, size_t bytes, cbvh::BuildStatistics& statistics) {
+    cbvh::BlockBytes(header, bytes).addTo(statistics.sums);
     statistics.sums.numBlocks++;
   }
 
@@ -84,7 +85,7 @@ private:
     store.hitBounds.extend(bounds);
     if (makesTiles && commitTile(toBBox(bounds))) return;
     store.add(block, bytes, toBBox(bounds), cbvh::MESH_BLOCK, cbvh::vertReadPadding);
-    addToStatistics(*(const cbvh::MeshHeader*)block, bytes, statistics);
+    addToStatistics((const cbvh::MeshHeader*)block, bytes, statistics);
   }
 
   /*! Stores the encoded block as a tile. Returns false if it has none. */
@@ -92,8 +93,7 @@ private:
     uint8_t* const tile = store.reserve(cbvh::maxBytesOfMeshTile);
     const size_t bytes = cbvh::tileOfMesh((const cbvh::MeshHeader*)block, tile);
     if (bytes == 0) return false;
-    cbvh::BlockBytes((const cbvh::MeshTileHeader*)tile, bytes).addTo(statistics.sums);
-    statistics.sums.numBlocks++;
+    addToStatistics((const cbvh::MeshTileHeader*)tile, bytes, statistics);
     store.commit(bytes, bounds, cbvh::TILE_BLOCK, cbvh::meshTileReadPadding);
     return true;
   }

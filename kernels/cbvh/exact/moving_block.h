@@ -3,17 +3,19 @@
 
 #pragma once
 
-/* CachedVertBlock, CachedMeshBlock and TileBlock for moving blocks and tiles, at a time between two steps. Interpolates
- * between the ends of a segment, the time between two steps; those of blocks are decoded into the thread's cache if
- * necessary.
+/* CachedVertBlock, CachedMeshBlock, TileBlock and MeshTileBlock for moving blocks and tiles, at a time between two
+ * steps. Interpolates between the ends of a segment, the time between two steps; those of blocks are decoded into the
+ * thread's cache if necessary.
  *
  * Vertices and planes are interpolated by the same operations, which round monotonically: an unsheared plane that
  * bounds a vertex at both ends also bounds it in between. Shared vertices stay equal, so surfaces stay watertight. */
 
 #include "cached_mesh.h"
 #include "mesh_motion_decoder.h"
+#include "mesh_tile_block.h"
 #include "motion_decoder.h"
 #include "tile_block.h"
+#include <limits>
 
 namespace embree::isa::cbvh {
 /*! fraction: 0 at the beginning of the segment, 1 at its end. */
@@ -227,6 +229,12 @@ private:
   const Interpolator interpolator;
 };
 
+/*! motionSlack on all axes. The summand covers weighted units that are flushed to 0, 255 of them per step. */
+__forceinline vfloat4 slackOfMotion(const vfloat4 origins[2], const vfloat4& extent) {
+  return madd(max(abs(origins[0]), abs(origins[1])) + vfloat4(2.0f) * extent, vfloat4(1.0f / 1048576.0f),
+              vfloat4(1024.0f * std::numeric_limits<float>::min()));
+}
+
 /*! Boxes of a moving tile's leaves at a time between two steps: on axis k, planes are
  *
  *    origin[k] + byte of begin * units[0][k] + byte of end * units[1][k],
@@ -252,8 +260,7 @@ struct MovingLeafPlanes {
     // planes are at most 255 steps of at most 255 spacings from the origin
     extent = vfloat4(float((maxBoxByte + 1) * maxBoxByte)) *
              max(max(largestSpacing, shuffle<1, 2, 0, 1>(largestSpacing)), shuffle<2, 0, 1, 2>(largestSpacing));
-    slack =
-        (max(abs(origins[0]), abs(origins[1])) + vfloat4(2.0f) * extent) * vfloat4(1.0f / 1048576.0f); // motionSlack
+    slack = slackOfMotion(origins, extent);
   }
 
   /*! The slack for distances of planes from a point. offset: of the point from the origin. A plane has a second product
@@ -264,5 +271,79 @@ struct MovingLeafPlanes {
 
 private:
   vfloat4 extent; //!< bound of the distance from the origin to planes, on any axis
+};
+
+/*! A group of a moving mesh tile: corners of step 0, vertices of both ends. */
+struct MovingMeshTileGroup : public MeshTileGroup {
+  MeshTileGroup ends[2];
+  __forceinline MovingMeshTileGroup(const MeshTileGroup& first, const MeshTileGroup& begin, const MeshTileGroup& end)
+    : MeshTileGroup(first),
+      ends{begin, end} {}
+};
+
+class MovingMeshTileBlock {
+public:
+  typedef MovingMeshTileGroup Group;
+
+  __forceinline MovingMeshTileBlock(const MeshTileHeader* tile, const TimeInMotion& at)
+    : first(meshTileOfStep(tile, 0)),
+      begin(meshTileOfStep(tile, at.segment)),
+      end(meshTileOfStep(tile, at.segment + 1)),
+      interpolator(at.fraction) {}
+
+  __forceinline Group group(uint32_t g) const { return Group(first.group(g), begin.group(g), end.group(g)); }
+
+  __forceinline uint32_t info() const { return first.info(); }
+
+  __forceinline uint32_t number(uint32_t g, uint32_t triangle) const { return first.number(g, triangle); }
+
+  /*! As MeshTileBlock::vertices. */
+  template<int vectors>
+  __forceinline void vertices(const Group& group, const int axes[3], vfloatV (&out)[3][vectors]) const {
+    vfloatV atEnd[3][vectors];
+    begin.vertices<vectors>(group.ends[0], axes, out);
+    end.vertices<vectors>(group.ends[1], axes, atEnd);
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < vectors; j++) out[i][j] = interpolator(out[i][j], atEnd[i][j]);
+  }
+
+private:
+  const MeshTileBlock first, begin, end;
+  const Interpolator interpolator;
+};
+
+/*! MovingLeafPlanes for the boxes of a mesh tile's groups. Upper planes are after the byte. */
+struct MovingGroupPlanes {
+  vfloat4 origin, units[2], slack;
+  const uint8_t* boxes[2]; //!< of begin and end, see meshTilePlanes
+  const uint32_t groups;
+
+  __forceinline MovingGroupPlanes(const MeshTileHeader* tile, const TimeInMotion& at)
+    : groups(meshGroups(tile->counts)) {
+    const float weights[2] = {1.0f - at.fraction, at.fraction};
+    vfloat4 origins[2], largestUnit(0.0f);
+    for (uint32_t e = 0; e < 2; e++) {
+      const MeshTileHeader* const step = meshTileOfStep(tile, at.segment + e);
+      const uint32_t info = step->meshInfo;
+      const vint4 exponents(extend8(_mm_cvtsi32_si128(int(step->spacings)))),
+          shifts(int(info & 15u), int((info >> 4) & 15u), int((info >> 8) & 15u), 0);
+      const vfloat4 unit = withoutFourth(asFloat((exponents + shifts) << 23));
+      origins[e] = withoutFourth(vfloat4::loadu(step->origin));
+      units[e] = unit * vfloat4(weights[e]);
+      largestUnit = max(largestUnit, unit);
+      boxes[e] = (const uint8_t*)step + meshTilePlanes(groups, 0);
+    }
+    origin = madd(vfloat4(weights[0]), origins[0], vfloat4(weights[1]) * origins[1]);
+    extent = vfloat4(256.0f) * largestUnit;
+    slack = slackOfMotion(origins, extent);
+  }
+
+  /*! See MovingLeafPlanes. */
+  __forceinline vfloat4 slackOf(const vfloat4& offset) const {
+    return madd(vfloat4((tileSlackUlps + 4.0f) * floatUlp), abs(offset) + extent, slack);
+  }
+
+private:
+  vfloat4 extent; //!< bound of the distance from the origin to planes, by axis
 };
 } // namespace embree::isa::cbvh

@@ -6,7 +6,7 @@
 /* mesh_writer.h for moving meshes: rounds the vertices of a cluster at all time steps, and stores moving mesh blocks
  * (cvert/format/mesh_motion.h) and their boxes at each step. */
 
-#include "../../cvert/encoder/mesh_motion_encoder.h"
+#include "../../cvert/conversion/moving_mesh_tile_conversion.h"
 #include "mesh_writer.h"
 
 namespace embree::isa {
@@ -55,7 +55,6 @@ public:
           extend(boxes[step], out);
         },
         [&](size_t bytes, uint32_t first, uint32_t count) { commitBlock(bytes, first, count); });
-    statistics.sums.motionBytes += size_t(meshStatistics.stepBytes);
     statistics.addDeviation(squaredDeviation);
     store.flushIfFull();
   }
@@ -83,10 +82,23 @@ private:
     }
     cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
     if (source.mesh.areHalvesOfQuads()) header->info |= cbvh::meshHasQuads;
-    memcpy(store.reserve(bytes), header, bytes);
-    store.commit(bytes, toBBox(bounds), cbvh::MESH_BLOCK, cbvh::vertReadPadding);
     store.hitBounds.extend(bounds);
-    MeshWriter::addToStatistics(*header, bytes, statistics);
+    if (plan.makesTiles() && commitTile(header, toBBox(bounds))) return;
+    store.add(header, bytes, toBBox(bounds), cbvh::MESH_BLOCK, cbvh::vertReadPadding);
+    statistics.sums.motionBytes += cbvh::laterStepBytes(header);
+    MeshWriter::addToStatistics(header, bytes, statistics);
+  }
+
+  /*! Stores the encoded block as a tile. Returns false if it has none. */
+  bool commitTile(const cbvh::MeshHeader* block, const BBox3fa& bounds) {
+    uint8_t* const bytes = store.reserve(cbvh::maxBytesOfMovingMeshTile(plan.numTimeSteps));
+    const size_t size = tileWriter.write(block, bytes);
+    if (size == 0) return false;
+    const cbvh::MeshTileHeader* const tile = (const cbvh::MeshTileHeader*)bytes;
+    statistics.sums.motionBytes += cbvh::laterStepBytes(tile);
+    MeshWriter::addToStatistics(tile, size, statistics);
+    store.commit(size, bounds, cbvh::TILE_BLOCK, cbvh::meshTileReadPadding);
+    return true;
   }
 
   const IrregularTriangles& source;
@@ -94,6 +106,7 @@ private:
   BlockStore& store;
   cbvh::BuildStatistics& statistics;
   cbvh::MeshMotionEncoder encoder;
+  cbvh::MovingMeshTileWriter tileWriter;
   cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
   uint32_t ids[cbvh::maxMeshTriangles][3]; //!< IrregularTriangles::cornerIDs() of the triangles
   std::vector<cbvh::StepBox> boxes;        //!< of the current block, by step

@@ -126,7 +126,7 @@ public:
   }
 
   void searchTile(const VertHeader* header) {
-    if (isMeshTile(header)) return searchTriangles(header, DecodedMeshTile((const MeshTileHeader*)header));
+    if (isMeshTile(header)) return searchMeshTile((const MeshTileHeader*)header);
     if (!isMoving(header->info)) return searchTile(TileBlock(header), BoxDistances(p, header));
     const VertMotion motion = motionOf(header);
     if (!isPresent(motion, time)) return;
@@ -135,6 +135,13 @@ public:
   }
 
 private:
+  void searchMeshTile(const MeshTileHeader* tile) {
+    const VertHeader* const block = (const VertHeader*)tile; // see cached_mesh.h
+    if (!isMovingMeshTile(tile)) return searchTriangles(block, DecodedMeshTile(tile));
+    const VertMotion motion = motionOfMeshTile(tile);
+    if (isPresent(motion, time)) searchTriangles(block, DecodedMovingMeshTile(tile, timeInMotion(motion, time)));
+  }
+
   /*! Tile: TileBlock or MovingTileBlock. */
   template<typename Tile>
   void searchTile(const Tile& tile, BoxDistances leaves) {

@@ -44,12 +44,15 @@ struct FileAndPages {
   std::unique_ptr<PrivatePages> pages;
 };
 
-/*! True if surfaces at rest of a file become tiles when they are loaded: if tiles are the device's form, a commit does
+/*! True if surfaces of a file become tiles when they are loaded: if tiles are the device's form, a commit does
  *  not choose it, and those of the whole file take at most half of the machine's memory. */
 bool makesTiles(const CompressionSettings& settings, const File& file) {
   if (settings.compression != RTC_COMPRESSION_CTILE || settings.memory) return false;
   double bytes = 0;
-  for (size_t i = 0; i < file.size(); i++) bytes += double(file.geometry(i).numBlocks) * double(expectedTileBytes);
+  for (size_t i = 0; i < file.size(); i++) {
+    const FileGeometry& geometry = file.geometry(i);
+    bytes += double(geometry.numBlocks) * double(geometry.numTimeSteps) * double(expectedTileBytes);
+  }
   return bytes <= 0.5 * double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
 }
 

@@ -10,7 +10,7 @@
 #include "../embree/scene.h"
 #include "../blocks/block_table.h"
 #include "../blocks/surface_blocks.h"
-#include "../../cvert/conversion/mesh_tile_conversion.h"
+#include "../../cvert/conversion/moving_mesh_tile_conversion.h"
 #include "../../cvert/conversion/tile_conversion.h"
 #include "../../cvert/file/record.h"
 #include "file_statistics.h"
@@ -83,11 +83,24 @@ private:
 
   /*! As above, as a mesh block. */
   uint64_t tile(const MeshTileHeader* tile) {
+    if (isMovingMeshTile(tile)) return movingTile(tile);
     alignas(blockAlignment) uint8_t block[MeshEncoder::maxBytes];
     const size_t bytes = meshOfTile(tile, meshEncoder, block);
     BlockBytes(tile, tile->bytes).removeFrom(statistics.sums);
     BlockBytes((const MeshHeader*)block, bytes).addTo(statistics.sums);
     return to.append(FILE_MESH, to.keep(block, bytes), uint32_t(bytes), offsetof(MeshHeader, surface));
+  }
+
+  uint64_t movingTile(const MeshTileHeader* tile) {
+    if (!meshMotionEncoder) meshMotionEncoder.reset(new MeshMotionEncoder);
+    std::vector<uint32_t> memory(MeshMotionEncoder::maxBytes(motionOfMeshTile(tile).numSteps) / sizeof(uint32_t) + 1);
+    MeshHeader* const block = (MeshHeader*)memory.data();
+    const size_t bytes = movingMeshOfTile(tile, *meshMotionEncoder, (uint8_t*)block);
+    BlockBytes(tile, tile->bytes).removeFrom(statistics.sums);
+    BlockBytes(block, bytes).addTo(statistics.sums);
+    statistics.sums.motionBytes += size_t(laterStepBytes(block)) - size_t(laterStepBytes(tile));
+    return to.append(fileChildOf(MESH_BLOCK, true), to.keep(block, bytes), uint32_t(bytes),
+                     offsetof(MeshHeader, surface));
   }
 
   uint64_t child(BVH4::NodeRef ref) {
@@ -140,7 +153,8 @@ private:
   FileSurface& to;
   VertEncoder encoder;
   MeshEncoder meshEncoder;
-  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving tile
+  std::unique_ptr<MotionEncoder> motionEncoder; //!< null before the first moving tile, as the next
+  std::unique_ptr<MeshMotionEncoder> meshMotionEncoder;
 };
 
 /*! Tiles are stored as blocks. */

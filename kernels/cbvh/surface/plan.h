@@ -4,12 +4,16 @@
 #pragma once
 
 /* How the patches of a geometry are stored, by its settings (settings/settings.h). Grids, meshes and moving geometry
- * are always stored as cVERT. */
+ * are always stored exactly, as cVERT or its tiles. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
 
 namespace embree::isa {
+/*! Grids with more time steps need more bytes as tiles than in Embree, where steps cost none: about 5 per quad and
+ * step, and 17. They are stored as cVERT. */
+static const unsigned maxTileStepsOfGrids = 3;
+
 struct CompressionPlan {
   uint32_t surfaceNumber; //!< see base/surface_ids.h
   unsigned numTimeSteps;
@@ -23,7 +27,8 @@ struct CompressionPlan {
       timeRange(geometry->time_range),
       settings(geometry->compression.resolve(geometry->device->compression)) {
     isCompressed = cbvh::findKind(settings.compression, blockKind);
-    areBlocksTiles = isCompressed && blockKind == cbvh::Kind::CTILE;
+    areBlocksTiles = isCompressed && blockKind == cbvh::Kind::CTILE &&
+                     (geometry->ownType != Geometry::GTY_GRID_MESH || numTimeSteps <= maxTileStepsOfGrids);
     isFormChosen = geometry->device->compression.memory != nullptr;
     if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves() || blockKind == cbvh::Kind::CTILE)
       blockKind = cbvh::Kind::CVERT;
@@ -40,7 +45,7 @@ struct CompressionPlan {
 
   bool isLossless() const { return kind() == cbvh::Kind::CVERT && settings.maxError == 0.0f; }
 
-  /*! True if cVERT blocks become tiles while they are built. */
+  /*! True if blocks become tiles while they are built. */
   bool makesTiles() const { return areBlocksTiles && !isFormChosen; }
 
   /*! True if commits of scenes choose between tiles and cVERT blocks, by the device's budget. */

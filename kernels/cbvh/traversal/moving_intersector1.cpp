@@ -34,7 +34,9 @@ public:
     switch (BlockType(type)) {
     case VERT_BLOCK: return intersectMovingVert(ray, context, vert, (const VertHeader*)prim);
     case MESH_BLOCK: return intersectMovingMesh(ray, context, vert, prim);
-    case TILE_BLOCK: return intersectMovingTile(ray, context, vert, (const VertHeader*)prim);
+    case TILE_BLOCK:
+      return isMeshTile(prim) ? intersectMovingMeshTile(ray, context, vert, (const MeshTileHeader*)prim)
+                              : intersectMovingTile(ray, context, vert, (const VertHeader*)prim);
     case FRAMED_BLOCK: break; // never moves
     }
     return false;

@@ -9,7 +9,8 @@
 #include "mesh_view.h"
 
 namespace cvert { inline namespace CVERT_ISA {
-/*! The tile must outlive this object. */
+/*! tile: at rest, or a step of a moving one; of steps without corners only vertices and planes may be read. The tile
+ * must outlive this object. */
 class MeshTileView {
 public:
   const MeshTileHeader* const tile;
@@ -31,7 +32,7 @@ public:
 
   /*! World position of vertex v of a group. */
   void vertex(uint32_t g, uint32_t v, float out[3]) const {
-    uint32_t coordinates[3], at = offset(g) + 3 * bytesOfFields(triangles(g), tileGroupCornerBits(record(g)));
+    uint32_t coordinates[3], at = offset(g) + 3 * bytesOfCorners(tile->meshInfo, record(g));
     for (uint32_t k = 0; k < 3; k++) {
       const uint32_t bits = tileGroupFieldBits(record(g), k);
       coordinates[k] = (plane(g, k) << meshBoxShift(tile->spacings, tile->meshInfo, k)) + field(at, v, bits);

@@ -45,6 +45,19 @@ public:
                                });
   }
 
+  /*! Encodes triangles that were decoded from a block, group by group, as that block, see MeshEncoder::encodeInOrder.
+   *  Returns the size. */
+  template<typename Locate>
+  size_t encodeInOrder(const MovingCluster& cluster, uint8_t* block, MeshStatistics& statistics, const Locate& locate) {
+    ids = cluster.ids;
+    idsBegin = cluster.triangles;
+    const size_t bytes =
+        MeshEncoder::encodeInOrder(cluster.triangles, cluster.groups, cluster.surface, block, statistics);
+    const size_t all = appendSteps(cluster, block, bytes, locate);
+    statistics.stepBytes += all - bytes;
+    return all;
+  }
+
 private:
   /*! Upper bound of a step's size: header, records, boxes, bases, fields, padding. */
   static constexpr size_t maxStepBytes =

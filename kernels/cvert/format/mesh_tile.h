@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A mesh tile: a mesh block at rest (mesh_block.h) in another form, which is about a third larger. Each group can be
+/* A mesh tile: a mesh block (mesh_block.h) in another form, which at rest is about a third larger. Each group can be
  * read without the others, so that a ray decodes only the groups that it tests. Mesh tiles are made from blocks in
  * memory, with the very same triangles in the same order; files contain blocks. docs/formats/tile.md specifies
  * the form. Layout:
@@ -13,9 +13,16 @@
  * A group stores all vertices that its triangles use, including those that other groups also use, as the fields of
  * mesh blocks relative to its own box. It has six arrays. Each begins with a whole byte and has fields of the same
  * size: the first, second and third corners of its triangles, as indices of its vertices, and the coordinates of
- * its vertices on x, y and z. */
+ * its vertices on x, y and z.
+ *
+ * A moving mesh tile has a mesh tile at rest per time step, which begins at a multiple of 16 bytes:
+ *
+ *   header | VertMotion | offsets of steps | step 0 | step 1 | ...
+ *
+ * Its header has only surface, primID, meshBytes, counts, meshInfo, bytes and motion. No step has shear. Groups have
+ * the same triangles and vertices at all steps; only step 0 stores corners and primitive numbers. */
 
-#include "mesh_block.h"
+#include "mesh_motion.h"
 #include "tile.h"
 #include <cstddef>
 
@@ -40,7 +47,7 @@ struct MeshTileHeader {
   uint32_t numbers;   //!< offset of the primitive numbers in bytes
   uint32_t bytes;     //!< of the tile, a multiple of 4
   uint32_t info;      //!< 0, where tiles of quads have tileInfo
-  uint32_t reserved;  //!< 0
+  uint32_t motion;    //!< offset of VertMotion in bytes; 0 at rest
 };
 static_assert(sizeof(MeshTileHeader) == meshTileHeaderBytes, "header of a mesh tile");
 static_assert(offsetof(MeshTileHeader, surface) == offsetof(MeshHeader, surface) &&
@@ -48,6 +55,24 @@ static_assert(offsetof(MeshTileHeader, surface) == offsetof(MeshHeader, surface)
                   offsetof(MeshTileHeader, meshBytes) == offsetof(MeshHeader, bytes) &&
                   offsetof(MeshTileHeader, info) == offsetof(VertHeader, info),
               "a mesh tile must have members of other headers at the same offsets");
+
+/*! Bit of MeshTileHeader::meshInfo: groups have no corners, as in steps after the first. */
+static const uint32_t meshTileWithoutCorners = 1u << 14;
+
+inline bool isMovingMeshTile(const MeshTileHeader* tile) { return tile->motion != 0; }
+
+/*! Requires a tile that moves. */
+inline VertMotion motionOfMeshTile(const MeshTileHeader* tile) {
+  VertMotion motion;
+  std::memcpy(&motion, (const uint8_t*)tile + tile->motion, sizeof(motion));
+  return motion;
+}
+
+/*! Returns the tile of a time step. step: 0 unless the tile moves. */
+inline const MeshTileHeader* meshTileOfStep(const MeshTileHeader* tile, uint32_t step) {
+  if (!isMovingMeshTile(tile)) return tile;
+  return (const MeshTileHeader*)((const uint8_t*)tile + wordAt(tile, motionOfMeshTile(tile).steps / 4 + step));
+}
 
 /* Record of a group:
  *
@@ -71,6 +96,11 @@ inline uint32_t tileGroupCornerBits(uint32_t record) {
 
 /*! Bytes of an array of fields. */
 inline uint32_t bytesOfFields(uint32_t count, uint32_t bits) { return (count * bits + 7u) >> 3; }
+
+/*! Bytes of an array of corners. meshInfo: of the tile. */
+inline uint32_t bytesOfCorners(uint32_t meshInfo, uint32_t record) {
+  return meshInfo & meshTileWithoutCorners ? 0 : bytesOfFields(tileGroupTriangles(record), tileGroupCornerBits(record));
+}
 
 /* Offsets in bytes. */
 inline uint32_t meshTileRecord(uint32_t g) { return meshTileHeaderBytes + meshTileRecordBytes * g; }
