@@ -34,8 +34,9 @@ struct Options {
   std::string motion = "bend"; // of models and cages
   std::vector<int> steps{1, 2};
   std::vector<int> divisors; // of the median edge; empty: one that suits the source
-  int sheetQuads = 1536;     // per side of a sheet
-  int gridQuads = 512;       // per side of a grid
+  std::string form = "ctile";
+  int sheetQuads = 1536; // per side of a sheet
+  int gridQuads = 512;   // per side of a grid
 };
 
 // --- sources --------------------------------------------------------------------------------------
@@ -218,9 +219,10 @@ class Built : public TimedBuild {
 public:
   Built(const Source& source, const ComparedScenes& compared, RTCCompression compression, float maxError)
     : TimedBuild(source.prepare, compared, compression, maxError) {
-    if ((compression == RTC_COMPRESSION_CVERT) != (statistics.numQuads == source.numQuads))
+    const bool compresses = compression != RTC_COMPRESSION_NONE;
+    if (compresses != (statistics.numQuads == source.numQuads))
       throw Error(source.name + ": " + std::to_string(statistics.numQuads) + " of " + std::to_string(source.numQuads) +
-                  " quads are compressed: expected " + (compression == RTC_COMPRESSION_CVERT ? "all" : "none"));
+                  " quads are compressed: expected " + (compresses ? "all" : "none"));
   }
 
   /* All stored vertices at all time steps, in the same order for each precision. */
@@ -270,7 +272,8 @@ void printSpread(std::vector<double> values) {
 
 void measure(const Options& options, const Source& source) {
   const ComparedScenes& compared = options.compared;
-  Built embree(source, compared, RTC_COMPRESSION_NONE, -1), exact(source, compared, RTC_COMPRESSION_CVERT, 0);
+  const RTCCompression form = options.form == "ctile" ? RTC_COMPRESSION_CTILE : RTC_COMPRESSION_CVERT;
+  Built embree(source, compared, RTC_COMPRESSION_NONE, -1), exact(source, compared, form, 0);
   const std::vector<Vec3f> expected = exact.vertices(source.steps);
   const double edge = medianEdge(exact), quads = double(source.numQuads);
   const PictureRays picture(source.model, embree.handle(), compared.size, source.steps > 1);
@@ -281,8 +284,7 @@ void measure(const Options& options, const Source& source) {
   precisions.push_back({"lossless", 0});
   for (const auto& precision : precisions) {
     std::unique_ptr<Built> other;
-    if (precision.second != 0)
-      other = std::make_unique<Built>(source, compared, RTC_COMPRESSION_CVERT, float(precision.second));
+    if (precision.second != 0) other = std::make_unique<Built>(source, compared, form, float(precision.second));
     Built& built = other ? *other : exact;
     std::printf("| %s | %.2f | %s | %.1f | %.2f |", source.name.c_str(), quads * 1e-6, precision.first.c_str(),
                 double(embree.bytes) / quads, double(built.bytes) / quads);
@@ -339,6 +341,10 @@ int run(int argc, char** argv) {
       ->type_name("LIST")
       ->delimiter(',')
       ->check(CLI::Range(1, 129))
+      ->capture_default_str();
+  app.add_option("--form", options.form, "how vertices are stored: ctile or cvert")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"ctile", "cvert"}))
       ->capture_default_str();
   app.add_option("--motion", options.motion, "motion of models and cages: turn, bend, twist, walk")
       ->type_name("NAME")
