@@ -8,7 +8,7 @@
 #include "fuzz_traversal.h"
 #include "mesh_seeds.h"
 #include "kernels/cbvh/exact/mesh_intersector1.h"
-#include "kernels/cbvh/exact/moving_intersector1.h"
+#include "kernels/cbvh/exact/moving_mesh_intersector1.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/conversion/mesh_tile_conversion.h"
 

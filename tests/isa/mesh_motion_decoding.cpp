@@ -5,7 +5,7 @@
  * exactly. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every ISA,
  * outside of the library. */
 
-#include "kernels/cbvh/exact/moving_block.h"
+#include "kernels/cbvh/exact/moving_mesh_block.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "support/moving_mesh.h"
 

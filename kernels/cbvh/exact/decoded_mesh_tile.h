@@ -6,7 +6,7 @@
 /* A mesh tile, or a moving one at a time between two steps, as PointSearch expects mesh blocks: boxes of groups, and a
  * decoded group at a time. */
 
-#include "moving_block.h"
+#include "moving_mesh_block.h"
 
 namespace embree::isa::cbvh {
 /*! tile: at rest, or a step of a moving one. */

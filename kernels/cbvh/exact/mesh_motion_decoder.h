@@ -4,7 +4,7 @@
 #pragma once
 
 /* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends: first the boxes of all
- * groups, then half a group at a time, for moving_block.h. Decoded boxes have no sheared axis, because steps have
+ * groups, then half a group at a time, for moving_mesh_block.h. Decoded boxes have no sheared axis, because steps have
  * different spacings. The scalar references are cvert/decoder/mesh_view.h for the first step and mesh_step_view.h for
  * later steps. */
 

@@ -6,7 +6,7 @@
 /* Searches blocks for triangles within the radius of a query, nearest boxes first. */
 
 #include "decoded_mesh_tile.h"
-#include "moving_block.h"
+#include "moving_mesh_block.h"
 #include "near_triangles.h"
 #include "tile_block.h"
 

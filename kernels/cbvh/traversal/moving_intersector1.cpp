@@ -35,7 +35,7 @@ public:
     case VERT_BLOCK: return intersectMovingVert(ray, context, vert, (const VertHeader*)prim);
     case MESH_BLOCK: return intersectMovingMesh(ray, context, vert, prim);
     case TILE_BLOCK:
-      return isMeshTile(prim) ? intersectMovingMeshTile(ray, context, vert, (const MeshTileHeader*)prim)
+      return isMeshTile(prim) ? intersectMovingMeshTile(ray, context, vert, prim)
                               : intersectMovingTile(ray, context, vert, (const VertHeader*)prim);
     case FRAMED_BLOCK: break; // never moves
     }
